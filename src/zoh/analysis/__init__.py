@@ -1,0 +1,1 @@
+"""Measures; knows nothing of design."""

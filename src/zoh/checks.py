@@ -1,0 +1,65 @@
+"""Arguments, checked once where they come in.
+
+Each function returns the value in the form the library works with, or raises ``SpecError``.
+"""
+
+from collections.abc import Iterable
+from math import isfinite
+from numbers import Real
+
+import numpy as np
+
+from zoh.errors import SpecError
+
+
+def number(name: str, value: object, way_out: str = "give one real number") -> float:
+    """Return ``value`` as a finite float; a bool or a string is no number.
+
+    >>> number("dt", 1)
+    1.0
+    """
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value.item()
+    if isinstance(value, bool | np.bool_) or not isinstance(value, Real):
+        raise SpecError(name, "must be a real number", value, way_out)
+    try:
+        result = float(value)
+    except OverflowError:
+        raise SpecError(name, "must fit a 64-bit float", value, way_out) from None
+    if not isfinite(result):
+        raise SpecError(name, "must be finite", value, way_out)
+    return result
+
+
+def positive(name: str, value: object, way_out: str = "give a number above zero") -> float:
+    """Return ``value`` as a finite float above zero."""
+    result = number(name, value, way_out)
+    if result <= 0:
+        raise SpecError(name, "must be above 0", value, way_out)
+    return result
+
+
+def not_negative(name: str, value: object, way_out: str = "give zero or more") -> float:
+    """Return ``value`` as a finite float, zero or above."""
+    result = number(name, value, way_out)
+    if result < 0:
+        raise SpecError(name, "must be 0 or more", value, way_out)
+    return result
+
+
+def coefficients(name: str, value: object) -> tuple[float, ...]:
+    """Return polynomial coefficients, descending powers, without leading zeros.
+
+    >>> coefficients("num", [0, 0, 1, 2])
+    (1.0, 2.0)
+    """
+    way_out = "give the coefficients as a list of real numbers in descending powers"
+    if isinstance(value, str | bytes | dict) or not isinstance(value, Iterable):
+        raise SpecError(name, "must be a list of numbers", value, way_out)
+    items = list(value)
+    if not items:
+        raise SpecError(name, "must have at least one coefficient", value, way_out)
+    result = [number(f"{name}[{i}]", item, way_out) for i, item in enumerate(items)]
+    while len(result) > 1 and result[0] == 0:
+        del result[0]
+    return tuple(result)

@@ -1,0 +1,87 @@
+"""What can go wrong, each with its numbers.
+
+Every error that zoh raises on purpose is a ``ZohError`` (a ``ValueError``) whose text is one
+line that names the argument, the bound, the value and a way out.
+"""
+
+from typing import Any
+
+
+class ZohError(ValueError):
+    """The base of everything zoh raises on purpose."""
+
+
+class SpecError(ZohError):
+    """A request is malformed.
+
+    ``argument`` is what was passed (a name or a dotted key), ``bound`` what it must be,
+    ``value`` what it was, ``way_out`` what to do instead.
+
+    >>> raise SpecError("dt", "must be positive and finite", -1.0, "give the sample time in seconds")
+    Traceback (most recent call last):
+    zoh.errors.SpecError: dt must be positive and finite, got -1.0: give the sample time in seconds
+    """
+
+    def __init__(self, argument: str, bound: str, value: object, way_out: str) -> None:
+        self.argument, self.bound, self.value, self.way_out = argument, bound, value, way_out
+        super().__init__(f"{argument} {bound}, got {shown(value)}: {way_out}")
+
+
+class Infeasible(ZohError):
+    """A request is well formed, but this law cannot meet it.
+
+    ``needed_deg`` is the phase in degrees, in (-180, 180], that the law would have to give at wc;
+    ``best_pm_deg`` the largest phase margin in degrees this law can reach at this wc, None where
+    it reaches none; ``nearest_wc`` the crossover in rad/s nearest to the requested one at which
+    this law meets the request, None where there is none; ``laws_that_can`` the names of the laws
+    that meet the request as it stands.
+    """
+
+    def __init__(
+        self,
+        reason: str,
+        *,
+        needed_deg: float,
+        best_pm_deg: float | None = None,
+        nearest_wc: float | None = None,
+        laws_that_can: tuple[str, ...] = (),
+    ) -> None:
+        self.reason = reason
+        self.needed_deg = needed_deg
+        self.best_pm_deg = best_pm_deg
+        self.nearest_wc = nearest_wc
+        self.laws_that_can = laws_that_can
+        super().__init__("; ".join([reason, *self._advice()]))
+
+    def _advice(self) -> list[str]:
+        advice = []
+        if self.best_pm_deg is not None:
+            advice.append(f"the best margin it can give here is {self.best_pm_deg:.4g} deg")
+        if self.nearest_wc is not None:
+            advice.append(f"it can from wc = {self.nearest_wc:.4g} rad/s")
+        if self.laws_that_can:
+            advice.append(f"laws that can: {', '.join(self.laws_that_can)}")
+        return advice
+
+
+class NotMet(ZohError):
+    """A design, or a given controller, that fails its requirements.
+
+    ``misses`` has one sentence for each requirement missed; ``measured`` is the evidence
+    (a ``zoh.analysis.verify.Measured``), so that what was found is not lost.
+    """
+
+    def __init__(self, misses: tuple[str, ...], measured: Any) -> None:
+        self.misses = misses
+        self.measured = measured
+        super().__init__("not met: " + "; ".join(misses))
+
+
+def shown(value: object, longest: int = 60) -> str:
+    """Return ``value`` as one short line.
+
+    >>> shown("a" * 100, longest=8)
+    "'aaaa..."
+    """
+    text = " ".join(repr(value).split())
+    return text if len(text) <= longest else text[: longest - 3] + "..."

@@ -1,0 +1,135 @@
+"""Polynomials with as many digits as an answer needs.
+
+Coefficients are ``decimal.Decimal`` in descending powers, so a result that is a small
+difference of large numbers costs digits, which are cheap, instead of truth. A float enters
+exactly and leaves correctly rounded.
+"""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal, localcontext
+from fractions import Fraction
+from math import frexp
+
+Exact = tuple[Decimal, ...]
+
+KEPT = 120  # digits kept of a coefficient that is not a float, such as a product of poles
+_ZERO = Decimal(0)
+
+
+@contextmanager
+def precision(digits: int) -> Iterator[None]:
+    """Work with this many digits, and with exponents that neither overflow nor underflow."""
+    context = Context(prec=digits, Emax=MAX_EMAX, Emin=MIN_EMIN)
+    with localcontext(context):
+        yield
+
+
+def exact(values: Sequence[float | Fraction]) -> Exact:
+    """Return floats as they are, fractions to ``KEPT`` digits.
+
+    >>> exact([0.5, Fraction(1, 4)])
+    (Decimal('0.5'), Decimal('0.25'))
+    """
+    with precision(KEPT):
+        return tuple(
+            Decimal(v.numerator) / Decimal(v.denominator) if isinstance(v, Fraction) else Decimal(v)
+            for v in values
+        )
+
+
+def rounded(a: Sequence[Decimal]) -> tuple[float, ...]:
+    """Return the nearest floats."""
+    return tuple(float(c) for c in a)
+
+
+def times(a: Sequence[Decimal], b: Sequence[Decimal]) -> Exact:
+    """Return the product a b in the current precision."""
+    out = [_ZERO] * (len(a) + len(b) - 1)
+    for i, x in enumerate(a):
+        if x:
+            for j, y in enumerate(b):
+                out[i + j] += x * y
+    return tuple(out)
+
+
+def plus(a: Sequence[Decimal], b: Sequence[Decimal]) -> Exact:
+    """Return a + b in the current precision."""
+    n = max(len(a), len(b))
+    a, b = (_ZERO,) * (n - len(a)) + tuple(a), (_ZERO,) * (n - len(b)) + tuple(b)
+    return tuple(x + y for x, y in zip(a, b, strict=True))
+
+
+def span(values: Sequence[Decimal]) -> int:
+    """Return how many digits span the values from the largest to the last digit of the least."""
+    exponents = [(c.adjusted(), c.as_tuple().exponent) for c in values if c]
+    if not exponents:
+        return 1
+    low = min(e for _, e in exponents if isinstance(e, int))
+    return min(max(top for top, _ in exponents) - low + 1, 1200)
+
+
+def from_roots(roots: Sequence[complex]) -> Exact:
+    """Return the monic polynomial with these roots, complex ones given as exact conjugates.
+
+    A pair a +- j b enters as s^2 - 2 a s + a^2 + b^2, so the product is real without rounding
+    an imaginary part away.
+
+    >>> rounded(from_roots([-1.0, -0.5 + 2j, -0.5 - 2j]))
+    (1.0, 2.0, 5.25, 4.25)
+    """
+    with precision(KEPT):
+        product: Exact = (Decimal(1),)
+        for r in roots:
+            re, im = Decimal(complex(r).real), Decimal(complex(r).imag)
+            if im > 0:
+                product = times(product, (Decimal(1), -2 * re, re * re + im * im))
+            elif not im:
+                product = times(product, (Decimal(1), -re))
+        return product
+
+
+def state_space(
+    a: Sequence[Sequence[float]], b: Sequence[float], c: Sequence[float], d: float
+) -> tuple[Exact, Exact]:
+    """Return (num, den) of d + c (sI - A)^-1 b, exactly; shared factors stay in both.
+
+    Faddeev and LeVerrier's recursion in whole numbers, where its divisions come out even:
+    M_1 = I, c_k = -tr(A M_k)/k, M_{k+1} = A M_k + c_k I.
+    Source: F. R. Gantmacher, The Theory of Matrices, vol. 1, ch. IV, sec. 5.
+
+    >>> num, den = state_space([[0.0, 1.0], [-2.0, -3.0]], [0.0, 1.0], [1.0, 0.0], 0.0)
+    >>> rounded(num), rounded(den)
+    ((0.0, 0.0, 1.0), (1.0, 3.0, 2.0))
+    """
+    n = len(a)
+    shift = _common_shift([x for row in a for x in row])
+    whole = [[_scaled(x, shift) for x in row] for row in a]
+    shift_bc = _common_shift([*b, *c])
+    col, row = [_scaled(x, shift_bc) for x in b], [_scaled(x, shift_bc) for x in c]
+    m = [[int(i == j) for j in range(n)] for i in range(n)]
+    den, markov = [1], []
+    for k in range(1, n + 1):
+        markov.append(sum(row[i] * sum(m[i][j] * col[j] for j in range(n)) for i in range(n)))
+        m = [[sum(whole[i][h] * m[h][j] for h in range(n)) for j in range(n)] for i in range(n)]
+        coefficient = -sum(m[i][i] for i in range(n)) // k
+        den.append(coefficient)
+        for i in range(n):
+            m[i][i] += coefficient
+    with precision(KEPT):
+        unit = Decimal(2) ** shift
+        monic = tuple(Decimal(x) / unit**k for k, x in enumerate(den))
+        strictly = [Decimal(x) / unit**k / 4**shift_bc for k, x in enumerate(markov)]
+        num = plus([Decimal(d) * x for x in monic], [_ZERO, *strictly])
+        return num, monic
+
+
+def _common_shift(values: Sequence[float]) -> int:
+    """Return s so that every value times 2**s is whole."""
+    return max((53 - frexp(x)[1] for x in values if x), default=0)
+
+
+def _scaled(x: float, shift: int) -> int:
+    """Return x 2**shift as a whole number; shift comes from ``_common_shift``."""
+    fraction = Fraction(x) * Fraction(2) ** shift
+    return fraction.numerator

@@ -1,0 +1,351 @@
+"""Plant (continuous) and Sampled (dt): two types that never mix."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, overload
+
+import numpy as np
+import numpy.typing as npt
+
+from zoh import checks
+from zoh.errors import SpecError
+from zoh.lti import digits, poly
+from zoh.lti.digits import Exact
+from zoh.lti.poly import Poly
+from zoh.lti.wplane import w_to_z, z_to_w
+
+MAX_ORDER = 50  # beyond it a double holds no polynomial; real loops stay far below
+
+ComplexArray = npt.NDArray[np.complex128]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plant:
+    """A continuous plant, sensor * num(s)/den(s) * exp(-s dead_time).
+
+    num, den   coefficients in descending powers of s, shape (m + 1,) and (n + 1,), m <= n
+    dead_time  s, 0 or more
+    sensor     sensor units per output unit; part of the loop, in this one place
+
+    Shared factors of num and den are kept: a hidden mode is a fact about the machine.
+    Raises SpecError for an improper, empty or zero fraction.
+
+    >>> Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180).at(1.0)
+    (-0.0952...-0.1219...j)
+    """
+
+    num: Poly
+    den: Poly
+    dead_time: float = 0.0
+    sensor: float = 1.0
+    exact: tuple[Exact, Exact] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        put(self, "num", checks.coefficients("num", self.num))
+        put(self, "den", checks.coefficients("den", self.den))
+        _check_fraction(self.num, self.den, "s")
+        put(self, "dead_time", checks.not_negative("dead_time", self.dead_time, "seconds, >= 0"))
+        put(self, "sensor", checks.number("sensor", self.sensor, "give the sensor gain"))
+        if self.sensor == 0:
+            raise SpecError("sensor", "must not be 0", self.sensor, "a loop needs a sensor")
+        put(self, "exact", (digits.exact(self.num), digits.exact(self.den)))
+
+    @classmethod
+    def from_exact(
+        cls, num: Exact, den: Exact, *, dead_time: float = 0.0, sensor: float = 1.0
+    ) -> "Plant":
+        """Return the plant of these exact coefficients; num and den hold their nearest floats."""
+        made = cls(
+            num=digits.rounded(num),
+            den=digits.rounded(den),
+            dead_time=dead_time,
+            sensor=sensor,
+        )
+        put = object.__setattr__
+        put(made, "exact", (num[len(num) - len(made.num) :], den[len(den) - len(made.den) :]))
+        return made
+
+    @classmethod
+    def parse(cls, text: str, *, dead_time: float = 0.0, sensor: float = 1.0) -> "Plant":
+        """Return the plant that a formula in s says, such as ``2.3/(s^2 + 0.7809 s)``.
+
+        >>> Plant.parse("2.3/(s^2 + 0.7809 s)").den
+        (1.0, 0.7809, 0.0)
+        """
+        from zoh.lti.parse import formula
+
+        num, den, delay = formula(text)
+        if delay and dead_time:
+            raise SpecError(
+                "dead_time",
+                "must stand in one place",
+                dead_time,
+                f"the formula already has exp(-{float(delay):g} s)",
+            )
+        return cls.from_exact(
+            digits.exact(num),
+            digits.exact(den),
+            dead_time=float(delay) or dead_time,
+            sensor=sensor,
+        )
+
+    @classmethod
+    def zpk(
+        cls,
+        *,
+        zeros: Sequence[complex],
+        poles: Sequence[complex],
+        gain: float,
+        dead_time: float = 0.0,
+        sensor: float = 1.0,
+    ) -> "Plant":
+        """Return gain prod(s - zeros)/prod(s - poles); complex ones come in conjugate pairs.
+
+        >>> Plant.zpk(zeros=[], poles=[0, -0.7809], gain=2.3).den
+        (1.0, 0.7809, 0.0)
+        """
+        top = digits.from_roots(_paired("zeros", zeros))
+        bottom = digits.from_roots(_paired("poles", poles))
+        k = checks.number("gain", gain)
+        with digits.precision(digits.KEPT):
+            top = tuple(digits.exact([k])[0] * c for c in top)
+        return cls.from_exact(top, bottom, dead_time=dead_time, sensor=sensor)
+
+    @classmethod
+    def ss(
+        cls, a: Any, b: Any, c: Any, d: Any = 0.0, *, dead_time: float = 0.0, sensor: float = 1.0
+    ) -> "Plant":
+        """Return the plant d + c (sI - a)^-1 b of a SISO state space.
+
+        a has shape (n, n), b (n,) or (n, 1), c (n,) or (1, n), d is a number or shape (1, 1).
+
+        >>> Plant.ss([[0, 1], [0, -0.7809]], [0, 2.3], [1, 0]).num
+        (2.3,)
+        """
+        matrix, col, row, direct = _checked_state_space(a, b, c, d)
+        num, den = digits.state_space(matrix, col, row, direct)
+        return cls.from_exact(num, den, dead_time=dead_time, sensor=sensor)
+
+    @overload
+    def at(self, wc: float) -> complex: ...
+    @overload
+    def at(self, wc: npt.ArrayLike) -> ComplexArray: ...
+    def at(self, wc: Any) -> Any:
+        """Return the complex gain at wc in rad/s, a number or an array; infinite at a pole."""
+        w = np.asarray(wc, float)
+        s = 1j * w
+        value = _quotient(poly.at(self.num, s), poly.at(self.den, s))
+        value = self.sensor * value * np.exp(-s * self.dead_time)
+        return complex(value) if w.ndim == 0 else value
+
+    def poles(self) -> ComplexArray:
+        """Return the poles in rad/s, shape (n,)."""
+        return poly.roots(self.den)
+
+    def zeros(self) -> ComplexArray:
+        """Return the zeros in rad/s, shape (m,)."""
+        return poly.roots(self.num)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sampled:
+    """A sampled system num(z)/den(z) with its sample time dt in s.
+
+    num, den  coefficients in descending powers of z
+    num_w, den_w, delay  the same system as num_w(w)/den_w(w) z^-delay with
+    w = (2/dt)(z-1)/(z+1); both have the same length, leading zeros are roots at z = -1.
+    The work is done in w, where digits survive a small dt; z is what goes in and out.
+
+    Raises SpecError for dt <= 0, an acausal, an empty or a zero fraction.
+
+    >>> Sampled(num=[1], den=[1, -1], dt=0.5).num_w  # z/(z-1) is (1 + w/4)/(w/2)
+    (-0.25, 1.0)
+    """
+
+    num: Poly
+    den: Poly
+    dt: float
+    num_w: Poly = field(init=False, repr=False, compare=False)
+    den_w: Poly = field(init=False, repr=False, compare=False)
+    delay: int = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        put(self, "num", checks.coefficients("num", self.num))
+        put(self, "den", checks.coefficients("den", self.den))
+        put(self, "dt", sample_time(self.dt))
+        _check_fraction(self.num, self.den, "z")
+        n = len(self.den) - 1
+        put(self, "num_w", digits.rounded(z_to_w(self.num, self.dt, n)))
+        put(self, "den_w", digits.rounded(z_to_w(self.den, self.dt, n)))
+        put(self, "delay", 0)
+
+    @classmethod
+    def made(
+        cls, *, num: Poly, den: Poly, dt: float, num_w: Poly, den_w: Poly, delay: int = 0
+    ) -> "Sampled":
+        """Return a system whose two forms were computed together, from parameters."""
+        system = object.__new__(cls)
+        parts = {"num": poly.trim(num), "den": poly.trim(den), "dt": dt}
+        parts |= {"num_w": num_w, "den_w": den_w, "delay": delay}
+        for name, value in parts.items():
+            object.__setattr__(system, name, value)
+        return system
+
+    @classmethod
+    def from_w(
+        cls, *, num_w: Sequence[float], den_w: Sequence[float], dt: float, delay: int = 0
+    ) -> "Sampled":
+        """Return the system num_w(w)/den_w(w) z^-delay; z-coefficients scaled to den[0] = 1.
+
+        >>> Sampled.from_w(num_w=[1.0], den_w=[1.0, 0.0], dt=2.0)  # 1/w = (z+1)/(z-1)
+        Sampled(num=(1.0, 1.0), den=(1.0, -1.0), dt=2.0)
+        """
+        n = max(len(num_w), len(den_w)) - 1
+        top, bottom = w_to_z(num_w, dt, n), w_to_z(den_w, dt, n)
+        lead = next(c for c in bottom if c)
+        return cls.made(
+            num=tuple(float(c / lead) for c in top),
+            den=tuple(float(c / lead) for c in bottom) + (0.0,) * delay,
+            dt=dt,
+            num_w=poly.padded(num_w, n + 1),
+            den_w=poly.padded(den_w, n + 1),
+            delay=delay,
+        )
+
+    @overload
+    def at(self, wc: float) -> complex: ...
+    @overload
+    def at(self, wc: npt.ArrayLike) -> ComplexArray: ...
+    def at(self, wc: Any) -> Any:
+        """Return the complex gain at wc in rad/s, a number or an array; infinite at a pole.
+
+        >>> abs(Sampled(num=[1], den=[1, -1], dt=1.0).at(np.pi) + 0.5) < 1e-15
+        True
+        """
+        w = np.asarray(wc, float)
+        sin, cos = 2 / self.dt * np.sin(w * self.dt / 2), np.cos(w * self.dt / 2)
+        size = np.hypot(sin, cos)
+        x, y = 1j * sin / size, cos / size  # v = x/y; Nyquist is y = 0, no overflow there
+        value = _quotient(_homogeneous(self.num_w, x, y), _homogeneous(self.den_w, x, y))
+        if self.delay:
+            value = value * np.exp(-1j * w * self.dt * self.delay)
+        return complex(value) if w.ndim == 0 else value
+
+    def __mul__(self, other: "Sampled") -> "Sampled":
+        """Return the two in series; both must have the same dt."""
+        if not isinstance(other, Sampled):
+            return NotImplemented
+        if self.dt != other.dt:
+            raise SpecError(
+                "dt",
+                f"must be the same in both systems ({self.dt!r} s in the first)",
+                other.dt,
+                "sample both with one clock",
+            )
+        return Sampled.from_w(
+            num_w=poly.times(self.num_w, other.num_w),
+            den_w=poly.times(self.den_w, other.den_w),
+            dt=self.dt,
+            delay=self.delay + other.delay,
+        )
+
+    def poles(self) -> ComplexArray:
+        """Return the poles in z, those of the delay at 0 included."""
+        return np.concatenate([_in_z(self.den_w, self.dt), np.zeros(self.delay)])
+
+    def zeros(self) -> ComplexArray:
+        """Return the finite zeros in z."""
+        found = _in_z(self.num_w, self.dt)
+        return found[np.isfinite(found)]
+
+
+def sample_time(dt: object) -> float:
+    """Return dt in s, or raise SpecError unless it is positive and finite."""
+    return checks.positive("dt", dt, "give the sample time in seconds")
+
+
+def _in_z(a_w: Poly, dt: float) -> ComplexArray:
+    at_nyquist = len(a_w) - len(poly.trim(a_w))
+    half = poly.roots(a_w) * dt / 2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found = np.where(half == 1, np.inf, (1 + half) / (1 - half))
+    return np.concatenate([found, np.full(at_nyquist, -1.0)])
+
+
+def _homogeneous(a: Poly, x: Any, y: Any) -> Any:
+    """Return sum a_k x**(n-k) y**k."""
+    value, power = x * 0 + a[0], y * 0 + 1.0
+    for c in a[1:]:
+        power = power * y
+        value = value * x + c * power
+    return value
+
+
+def _quotient(top: Any, bottom: Any) -> Any:
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(bottom == 0, complex(np.inf, 0), top / np.where(bottom == 0, 1, bottom))
+
+
+def _check_fraction(num: Poly, den: Poly, variable: str) -> None:
+    if not any(den):
+        raise SpecError("den", "must not be all zeros", list(den), "give at least one coefficient")
+    if not any(num):
+        raise SpecError("num", "must not be all zeros", list(num), "a plant that does nothing has no loop")
+    if len(num) > len(den):
+        reason = "proper" if variable == "s" else "causal"
+        raise SpecError(
+            "num",
+            f"must not have a higher degree in {variable} than den ({len(den) - 1})",
+            len(num) - 1,
+            f"a {reason} system has deg num <= deg den",
+        )
+    if len(den) - 1 > MAX_ORDER:
+        raise SpecError(
+            "den", f"must have order {MAX_ORDER} or less", len(den) - 1, "reduce the model first"
+        )
+
+
+def _paired(name: str, values: Any) -> list[complex]:
+    way_out = "give a list of numbers, complex ones in conjugate pairs"
+    try:
+        roots = [complex(v) for v in values]
+    except (TypeError, ValueError):
+        raise SpecError(name, "must be a list of numbers", values, way_out) from None
+    for r in roots:
+        if not np.isfinite(r):
+            raise SpecError(name, "must be finite", r, way_out)
+    for r in roots:
+        if r.imag and roots.count(r) != roots.count(r.conjugate()):
+            raise SpecError(name, "must come in conjugate pairs", r, f"add {r.conjugate()}")
+    return roots
+
+
+def _checked_state_space(
+    a: Any, b: Any, c: Any, d: Any
+) -> tuple[list[list[float]], list[float], list[float], float]:
+    arrays = []
+    for name, value in (("A", a), ("B", b), ("C", c), ("D", d)):
+        try:
+            array = np.asarray(value, float)
+        except (TypeError, ValueError):
+            raise SpecError(name, "must be a matrix of numbers", value, "give a list of rows") from None
+        if not np.isfinite(array).all():
+            raise SpecError(name, "must be finite", value, "remove the NaN or infinity")
+        arrays.append(array)
+    matrix = np.atleast_2d(arrays[0])
+    n = matrix.shape[0]
+    if matrix.ndim != 2 or matrix.shape != (n, n):
+        raise SpecError("A", "must be square", list(matrix.shape), "give n rows of n numbers")
+    if n > MAX_ORDER:
+        raise SpecError("A", f"must have {MAX_ORDER} rows or less", n, "reduce the model first")
+    for name, array, size in (("B", arrays[1], n), ("C", arrays[2], n), ("D", arrays[3], 1)):
+        if array.size != size:
+            raise SpecError(
+                name, f"must have {size} entries (one input, one output)", array.size, "SISO only"
+            )
+    b_c = [x.ravel().tolist() for x in arrays[1:3]]
+    return matrix.tolist(), b_c[0], b_c[1], float(arrays[3].ravel()[0])
+
+

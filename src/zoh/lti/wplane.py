@@ -1,0 +1,103 @@
+"""The w-plane: w = (2/dt)(z-1)/(z+1), the bilinear picture of z.
+
+On the unit circle z = exp(j wc dt) it is w = j v with v = (2/dt) tan(wc dt/2): what a
+frequency response is in s, it is in w, at every sample time and without approximation.
+Source: C. L. Phillips and H. T. Nagle, Digital Control System Analysis and Design, the
+chapter on sampled frequency response (bilinear transformation).
+"""
+
+from collections.abc import Sequence
+from decimal import Decimal
+from functools import lru_cache
+from math import atan, comb, tan
+
+from zoh.lti.digits import Exact, precision, span
+
+
+def warp(wc: float, dt: float) -> float:
+    """Return v in rad/s, the w-plane frequency of the real frequency wc in rad/s.
+
+    >>> from math import pi
+    >>> warp(pi / 2, dt=1.0)  # tan(45 deg) = 1
+    1.9999999999999998
+    """
+    return 2 / dt * tan(wc * dt / 2)
+
+
+def unwarp(v: float, dt: float) -> float:
+    """Return the real frequency in rad/s of the w-plane frequency v; infinity is Nyquist's.
+
+    >>> from math import pi
+    >>> unwarp(2.0, dt=1.0) == pi / 2
+    True
+    >>> unwarp(float("inf"), dt=1.0) == pi
+    True
+    """
+    return 2 / dt * atan(v * dt / 2)
+
+
+@lru_cache(maxsize=64)
+def bilinear_weights(n: int) -> tuple[tuple[int, ...], ...]:
+    """Return the integers W[i][k], the coefficient of p**(n-k) in (1+p)**(n-i) (1-p)**i.
+
+    They turn a polynomial of degree n in z, times (1-p)**n, into one in p by z = (1+p)/(1-p).
+
+    >>> bilinear_weights(1)
+    ((1, 1), (-1, 1))
+    """
+    rows = []
+    for i in range(n + 1):
+        row = [0] * (n + 1)
+        for a in range(n - i + 1):
+            for b in range(i + 1):
+                row[n - a - b] += comb(n - i, a) * comb(i, b) * (-1) ** b
+        rows.append(tuple(row))
+    return tuple(rows)
+
+
+def to_bilinear(a: Sequence[Decimal], n: int) -> Exact:
+    """Return (1-p)^n a(z) at z = (1+p)/(1-p), a polynomial of degree n in p.
+
+    The same sum brings it back: z = (1+p)/(1-p) means p = (z-1)/(z+1), and
+    ``to_bilinear(to_bilinear(a))`` with every second sign turned is 2^n a.
+    """
+    a = (Decimal(0),) * (n + 1 - len(a)) + tuple(a)
+    out = [Decimal(0)] * (n + 1)
+    for c, row in zip(a, bilinear_weights(n), strict=True):
+        if c:
+            for k, weight in enumerate(row):
+                out[k] += c * weight
+    return tuple(out)
+
+
+def z_to_w(a: Sequence[float | Decimal], dt: float, n: int) -> Exact:
+    """Return the polynomial in w that is (1 - w dt/2)^n a(z), degree n, n + 1 coefficients.
+
+    Exact for floats: w = (2/dt)(z-1)/(z+1) only mixes the coefficients with integers.
+
+    >>> from zoh.lti.digits import rounded
+    >>> rounded(z_to_w((1.0, -1.0), dt=2.0, n=1))  # z - 1 = 2 w / (1 - w)
+    (2.0, 0.0)
+    """
+    values = [Decimal(c) for c in a]
+    with precision(span(values) + 40):
+        half = Decimal(dt) / 2
+        out = to_bilinear(values, n)
+        return tuple(c * half ** (n - k) for k, c in enumerate(out))
+
+
+def w_to_z(a: Sequence[float | Decimal], dt: float, n: int) -> Exact:
+    """Return the polynomial in z that is (z+1)^n a(w), degree n, n + 1 coefficients.
+
+    >>> from zoh.lti.digits import rounded
+    >>> rounded(w_to_z((1.0, 0.0), dt=2.0, n=1))  # w = (z - 1)/(z + 1)
+    (1.0, -1.0)
+    """
+    values = [Decimal(c) for c in a]
+    values = [Decimal(0)] * (n + 1 - len(values)) + values
+    with precision(span(values) + 40):
+        half = Decimal(dt) / 2
+        in_p = [c / half ** (n - k) if n > k else c for k, c in enumerate(values)]
+        turned = [c if (n - k) % 2 == 0 else -c for k, c in enumerate(in_p)]
+        mixed = to_bilinear(turned, n)
+        return tuple(c if (n - k) % 2 == 0 else -c for k, c in enumerate(mixed))

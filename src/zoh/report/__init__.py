@@ -1,0 +1,1 @@
+"""Verified loops as pictures."""

@@ -1,0 +1,1 @@
+"""From s to z and w."""
