@@ -1,0 +1,132 @@
+"""An open loop on its frequency axis, sampled or continuous, with or without delay.
+
+Both kinds are num(j v)/den(j v) exp(-j psi(v)) for 0 <= v <= infinity. A continuous loop has
+v = w and psi = v dead_time. A sampled loop has v = (2/dt) tan(w dt/2), so that infinity is the
+Nyquist frequency, and psi = delay w dt. Everything that is measured is measured here.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import atan, inf
+from typing import Any
+
+import numpy as np
+
+from zoh.errors import SpecError
+from zoh.lti import poly
+from zoh.lti.poly import Poly
+from zoh.lti.systems import Plant, Sampled
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Loop:
+    """num(jv)/den(jv) exp(-j psi(v)).
+
+    num, den   real polynomials of one length, descending powers of j v
+    dt         s, the sample time; None for a continuous loop
+    dead_time  s, the delay kept apart from the polynomials
+    """
+
+    num: Poly
+    den: Poly
+    dt: float | None
+    dead_time: float
+
+    @classmethod
+    def of(cls, *systems: Plant | Sampled) -> "Loop":
+        """Return the loop of these systems in series; raise SpecError for a mixture."""
+        first = systems[0] if systems else None
+        for system in systems:
+            if not isinstance(system, Plant | Sampled):
+                raise SpecError("L", "must be a zoh.Plant or zoh.Sampled", system, "make one first")
+            if type(system) is not type(first) or _dt(system) != _dt(first):
+                raise SpecError(
+                    "dt",
+                    f"must be the same throughout a loop ({_dt(first)!r} first)",
+                    _dt(system),
+                    "zoh.sample the plant with the controller's dt",
+                )
+        num, den, dead_time = (1.0,), (1.0,), 0.0
+        for system in systems:
+            top, bottom, wait = _parts(system)
+            num, den = poly.times(num, top), poly.times(den, bottom)
+            dead_time += wait
+        return cls(num=poly.padded(num, len(den)), den=den, dt=_dt(first), dead_time=dead_time)
+
+    def frequency(self, v: float) -> float:
+        """Return the real frequency in rad/s at v."""
+        if self.dt is None:
+            return v
+        return 2 / self.dt * atan(v * self.dt / 2)
+
+    def psi(self, v: Any) -> Any:
+        """Return the delay's phase lag in rad at v, a number or an array."""
+        if not self.dead_time:
+            return 0.0 * v
+        return self.dead_time * (v if self.dt is None else 2 / self.dt * np.arctan(v * self.dt / 2))
+
+    def psi_slope(self, v: Any) -> Any:
+        """Return d psi/d v in s."""
+        if self.dt is None or not self.dead_time:
+            return self.dead_time
+        return self.dead_time / (1 + (v * self.dt / 2) ** 2)
+
+    def parts(self, v: Any) -> tuple[Any, Any]:
+        """Return (num(jv) exp(-j psi), den(jv)) at v, a finite number or an array."""
+        s = 1j * v
+        top, bottom = poly.at(self.num, s), poly.at(self.den, s)
+        if self.dead_time:
+            top = top * np.exp(-1j * self.psi(v))
+        return top, bottom
+
+    def slopes(self, v: float) -> tuple[complex, complex]:
+        """Return the derivatives of ``parts`` with respect to v."""
+        s = 1j * v
+        top = 1j * poly.at(poly.derivative(self.num), s)
+        bottom = 1j * poly.at(poly.derivative(self.den), s)
+        if self.dead_time:
+            turned = complex(np.exp(-1j * self.psi(v)))
+            top = (top - 1j * self.psi_slope(v) * poly.at(self.num, s)) * turned
+        return top, bottom
+
+    def ends(self) -> tuple[tuple[float, float, float], ...]:
+        """Return (v, num, den) where the loop is real whatever it is: v = 0 and infinity.
+
+        At infinity both are the leading coefficients; with a delay kept apart, a sampled loop
+        turns by exp(-j pi m) there. A continuous dead time has no value at infinity, and none
+        is given unless the loop vanishes there.
+        """
+        found = [(0.0, self.num[-1], self.den[-1])]
+        if self.dt is not None:
+            odd = round(self.dead_time / self.dt) % 2
+            found.append((inf, -self.num[0] if odd else self.num[0], self.den[0]))
+        elif not self.dead_time or self.num[0] == 0:
+            found.append((inf, self.num[0], self.den[0]))
+        return tuple(found)
+
+    def closed(self, sign: float = 1.0) -> Poly:
+        """Return den + sign num, the closed loop's polynomial where there is no delay."""
+        return poly.plus(self.den, self.num, sign)
+
+
+def scalar(a: Sequence[float], v: float) -> complex:
+    """Return a(j v) in plain Python, the fastest way to one value of a short polynomial.
+
+    >>> scalar((1.0, 2.0, 3.0), 1.0)
+    (2+2j)
+    """
+    re, im = a[0], 0.0
+    for c in a[1:]:
+        re, im = c - im * v, re * v
+    return complex(re, im)
+
+
+def _dt(system: Plant | Sampled | None) -> float | None:
+    return system.dt if isinstance(system, Sampled) else None
+
+
+def _parts(system: Plant | Sampled) -> tuple[Poly, Poly, float]:
+    if isinstance(system, Sampled):
+        return system.num_w, system.den_w, system.delay * system.dt
+    num = tuple(system.sensor * c for c in system.num)
+    return poly.padded(num, len(system.den)), system.den, system.dead_time

@@ -1,0 +1,128 @@
+"""What was measured: values that know their JSON form."""
+
+from dataclasses import dataclass
+from math import inf, isinf, log10
+from typing import Any
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Margins:
+    """The margins of a loop L in unity negative feedback.
+
+    stable            the closed loop's poles are all inside the stable region
+    gain_margin       the factor on L nearest 1 (in log) that makes the loop marginally stable;
+                      inf where there is none
+    phase_crossover   rad/s, where that happens; None where there is none
+    phase_margin_deg  deg in (-180, 180], the smallest in magnitude; inf without a crossover
+    crossover         rad/s, where that is; None where |L| never is 1
+    delay_margin      s, the least extra delay over all gain crossovers that makes the loop
+                      marginally stable; inf where there is none
+    modulus_margin    min |1 + L|, at ms_frequency rad/s
+    mt                max |L/(1 + L)|, at mt_frequency rad/s
+    disk_margin       balanced (sigma = 0): min 2 |1 + L|/|1 - L|
+    gain_crossings    every (frequency in rad/s, phase margin in deg)
+    phase_crossings   every (frequency in rad/s, gain factor); w = 0 and Nyquist's count where
+                      L is negative real there
+    """
+
+    stable: bool
+    gain_margin: float
+    phase_crossover: float | None
+    phase_margin_deg: float
+    crossover: float | None
+    delay_margin: float
+    modulus_margin: float
+    ms_frequency: float
+    mt: float
+    mt_frequency: float
+    disk_margin: float
+    gain_crossings: tuple[tuple[float, float], ...]
+    phase_crossings: tuple[tuple[float, float], ...]
+
+    @property
+    def gain_margin_db(self) -> float:
+        """The gain margin in dB, 20 log10 of the ratio; negative where less gain is the limit."""
+        return 20 * log10(self.gain_margin) if 0 < self.gain_margin < inf else self.gain_margin
+
+    @property
+    def ms(self) -> float:
+        """The peak of the sensitivity, 1/modulus_margin."""
+        return 1 / self.modulus_margin if self.modulus_margin else inf
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON form: inf as "inf", what does not exist as None."""
+        return {
+            "stable": self.stable,
+            "gain_margin": jsonable(self.gain_margin),
+            "gain_margin_db": jsonable(self.gain_margin_db),
+            "phase_crossover": self.phase_crossover,
+            "phase_margin_deg": jsonable(self.phase_margin_deg),
+            "crossover": self.crossover,
+            "delay_margin": jsonable(self.delay_margin),
+            "modulus_margin": self.modulus_margin,
+            "ms": jsonable(self.ms),
+            "ms_frequency": self.ms_frequency,
+            "mt": jsonable(self.mt),
+            "mt_frequency": self.mt_frequency,
+            "disk_margin": jsonable(self.disk_margin),
+            "gain_crossings": [list(c) for c in self.gain_crossings],
+            "phase_crossings": [list(c) for c in self.phase_crossings],
+        }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StepInfo:
+    """The response to a reference step, in the units of the reference.
+
+    overshoot_pct       % of the final value beyond it
+    undershoot_pct      % of the final value on the other side of the start
+    rise_time           s, from first reaching 10 % to first reaching 90 % of the final value
+    settling_time       s, after which the response stays within 2 % of the final value
+    peak, peak_time     the largest size of the response, and when in s
+    final_value         what it settles to
+    steady_state_error  reference minus final value
+    between_samples     the same, exactly, between the samples too; None where nothing is known there
+    peak_effort         the largest |u| asked of the actuator, in input units; None for a bare T
+
+    A time that does not exist is None.
+    """
+
+    overshoot_pct: float
+    undershoot_pct: float
+    rise_time: float | None
+    settling_time: float | None
+    peak: float
+    peak_time: float
+    final_value: float
+    steady_state_error: float
+    between_samples: "StepInfo | None" = None
+    peak_effort: float | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON form."""
+        out: dict[str, Any] = {
+            "overshoot_pct": self.overshoot_pct,
+            "undershoot_pct": self.undershoot_pct,
+            "rise_time": self.rise_time,
+            "settling_time": self.settling_time,
+            "peak": self.peak,
+            "peak_time": self.peak_time,
+            "final_value": self.final_value,
+            "steady_state_error": self.steady_state_error,
+        }
+        if self.between_samples is not None:
+            out["between_samples"] = self.between_samples.to_dict()
+        if self.peak_effort is not None:
+            out["peak_effort"] = self.peak_effort
+        return out
+
+
+def jsonable(value: float | None) -> float | str | None:
+    """Return ``value`` with infinity as "inf" or "-inf", as the JSON format has it.
+
+    >>> jsonable(inf), jsonable(1.5), jsonable(None)
+    ('inf', 1.5, None)
+    """
+    if value is not None and isinf(value):
+        return "inf" if value > 0 else "-inf"
+    return value

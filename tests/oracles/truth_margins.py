@@ -1,0 +1,300 @@
+"""Margins of loops by exact fractions and mpmath. Shares no code with zoh.
+
+With z = exp(j theta) and u = 1 - cos(theta), |num|^2, |den|^2 and Im(num conj den)/sin(theta)
+are polynomials in u with rational coefficients, since a float is a fraction. Their common and
+repeated factors are removed exactly, and mpmath finds what is left to 60 digits; theta comes
+back as 2 asin(sqrt(u/2)). A continuous loop does the same in u = w^2, sin(theta) -> w.
+"""
+
+import sys
+from fractions import Fraction
+from itertools import zip_longest
+
+from loops import continuous_loops, dead_time_loops, sampled_loops
+from mpmath import mp, mpc, mpf
+from truth_delay import with_dead_time
+
+ZERO, ONE = Fraction(0), Fraction(1)
+DIGITS = 25  # written down
+CLOSE = 1e-4  # a crossing flatter than this, in d log|L| per d log w, is left out: ill-posed
+
+
+# polynomials with Fraction coefficients, ascending powers
+
+
+def trim(a):
+    a = list(a)
+    while len(a) > 1 and a[-1] == 0:
+        a.pop()
+    return a
+
+
+def mul(a, b):
+    out = [ZERO] * (len(a) + len(b) - 1)
+    for i, x in enumerate(a):
+        for j, y in enumerate(b):
+            out[i + j] += x * y
+    return trim(out)
+
+
+def add(a, b, sign=1):
+    return trim(x + sign * y for x, y in zip_longest(a, b, fillvalue=ZERO))
+
+
+def slope(a):
+    return trim([c * i for i, c in enumerate(a)][1:] or [ZERO])
+
+
+def divide(a, b):
+    """Return quotient and remainder."""
+    a, out = list(a), [ZERO] * max(len(a) - len(b) + 1, 1)
+    for i in range(len(a) - len(b), -1, -1):
+        out[i] = a[i + len(b) - 1] / b[-1]
+        for j, y in enumerate(b):
+            a[i + j] -= out[i] * y
+    return trim(out), trim(a[: len(b) - 1] or [ZERO])
+
+
+def gcd(a, b):
+    while any(b):
+        a, b = b, [c / max(abs(x) for x in r) for r in [divide(a, b)[1]] for c in r] if any(
+            divide(a, b)[1]
+        ) else [ZERO]
+    return a
+
+
+def squarefree(a):
+    return divide(a, gcd(a, slope(a)))[0] if len(a) > 1 else a
+
+
+def horner(a, x):
+    value = mpf(0) * x
+    for c in reversed(a):
+        value = value * x + mpf(c.numerator) / mpf(c.denominator)
+    return value
+
+
+def roots_between(a, top):
+    """Return the real roots of ``a`` strictly inside (0, top), top None for infinity."""
+    a = trim(a)
+    while len(a) > 1 and a[0] == 0:
+        a = a[1:]
+    while top is not None and len(a) > 1 and sum(c * top**i for i, c in enumerate(a)) == 0:
+        a = divide(a, [-top, ONE])[0]
+    if len(a) < 2:
+        return []
+    a = squarefree(a)
+    n = len(a) - 1
+    # the variable is scaled by a power of two so that first and last coefficient match
+    lead = abs(a[0] / a[-1])
+    shift = round((lead.numerator.bit_length() - lead.denominator.bit_length()) / n)
+    a = [c * Fraction(2) ** (shift * i) for i, c in enumerate(a)]
+    with mp.workdps(160):
+        top_first = [mpf(c.numerator) / mpf(c.denominator) for c in reversed(a)]
+        found = mp.polyroots(top_first, maxsteps=2000, extraprec=1200, cleanup=False)
+        real = [r.real for r in map(mpc, found) if abs(r.imag) < abs(r) * mpf(10) ** -60]
+        scale = mpf(2) ** shift
+        return sorted(r * scale for r in real if r > 0 and (top is None or r * scale < top))
+
+
+class Sampled:
+    """num(z)/den(z), ascending Fractions; u = 1 - cos(w dt) in (0, 2)."""
+
+    def __init__(self, num, den, dt):
+        self.num, self.den, self.dt, self.top = num, den, dt, Fraction(2)
+
+    def product(self, a, b):
+        """Return (even, odd) with a conj(b) = even(u) + j sin(theta) odd(u)."""
+        n = max(len(a), len(b))
+        lags = [ZERO] * (2 * n - 1)
+        for i, x in enumerate(a):
+            for j, y in enumerate(b):
+                lags[i - j + n - 1] += x * y
+        first, second = [ONE], [ONE, -ONE]  # Chebyshev T_k in u, cos = 1 - u
+        below, here = [ZERO], [ONE]  # U_{k-1}
+        even, odd = [lags[n - 1]], [ZERO]
+        for k in range(1, n):
+            even = add(even, mul([lags[n - 1 + k] + lags[n - 1 - k]], second))
+            odd = add(odd, mul([lags[n - 1 + k] - lags[n - 1 - k]], here))
+            first, second = second, add(mul([2 * ONE, -2 * ONE], second), first, -1)
+            below, here = here, add(mul([2 * ONE, -2 * ONE], here), below, -1)
+        return even, odd
+
+    def frequency(self, u):
+        return 2 * mp.asin(mp.sqrt(u / 2)) / mpf(self.dt)
+
+    def at(self, w):
+        z = mp.expj(w * mpf(self.dt))
+        return horner(self.num, z) / horner(self.den, z)
+
+    def ends(self):
+        """Return (frequency, num, den) at both ends, where the loop is real."""
+        for z, w in ((ONE, mpf(0)), (-ONE, mp.pi / mpf(self.dt))):
+            yield w, *(sum(c * z**i for i, c in enumerate(a)) for a in (self.num, self.den))
+
+    def stable(self):
+        return all(abs(r) < 1 for r in closed_roots(self))
+
+
+class Continuous(Sampled):
+    """num(s)/den(s), ascending Fractions; u = w^2 in (0, infinity)."""
+
+    def __init__(self, num, den):
+        super().__init__(num, den, None)
+        self.top = None
+
+    def product(self, a, b):
+        def halves(p):
+            signs = (ONE, ONE, -ONE, -ONE)
+            flat = [c * signs[i % 4] for i, c in enumerate(p)]
+            return trim(flat[0::2] or [ZERO]), trim(flat[1::2] or [ZERO])
+
+        (ae, ao), (be, bo) = halves(a), halves(b)
+        even = add(mul(ae, be), mul([ZERO, ONE], mul(ao, bo)))
+        return even, add(mul(ao, be), mul(ae, bo), -1)
+
+    def frequency(self, u):
+        return mp.sqrt(u)
+
+    def at(self, w):
+        s = mpc(0, w)
+        return horner(self.num, s) / horner(self.den, s)
+
+    def ends(self):
+        yield mpf(0), self.num[0], self.den[0]
+
+    def stable(self):
+        return all(r.real < 0 for r in closed_roots(self))
+
+
+def closed_roots(loop):
+    a = add(loop.den, loop.num)
+    if len(a) < len(loop.den):
+        raise ArithmeticError("a closed-loop root at infinity")
+    if len(a) == 1:
+        return []
+    while a[0] == 0:
+        a = a[1:]
+    repeated = squarefree(a)
+    top_first = [mpf(c.numerator) / mpf(c.denominator) for c in reversed(repeated)]
+    with mp.workdps(120):
+        return mp.polyroots(top_first, maxsteps=2000, extraprec=1000)
+
+
+def least_ratio(loop, top, bottom):
+    """Return (minimum, w) of |top|/|bottom| on the axis, ends included."""
+    p, q = loop.product(top, top)[0], loop.product(bottom, bottom)[0]
+    turning = add(mul(slope(p), q), mul(p, slope(q)), -1)
+    places = roots_between(turning, loop.top) if any(turning) else []
+    ends = [mpf(0)] if loop.top is None else [mpf(0), mpf(2)]
+    found = []
+    for u in [*ends, *places]:
+        if abs(horner(q, u)) > mpf(10) ** -60 * sum(abs(c) for c in q):
+            found.append((mp.sqrt(abs(horner(p, u) / horner(q, u))), loop.frequency(u)))
+    if loop.top is None and len(q) >= len(p):
+        far = mpf(0) if len(q) > len(p) else mp.sqrt(mpf((p[-1] / q[-1]).numerator) / (p[-1] / q[-1]).denominator)
+        found.append((far, mp.inf))
+    return min(found, key=lambda f: f[0])
+
+
+def crossings(loop):
+    """Return gain crossings (w, pm_deg, flatness) and phase crossings (w, factor)."""
+    size = add(loop.product(loop.num, loop.num)[0], loop.product(loop.den, loop.den)[0], -1)
+    turn = loop.product(loop.num, loop.den)[1]
+    gains, phases = [], []
+    for u in roots_between(size, loop.top):
+        w = loop.frequency(u)
+        flat = abs(mp.log(abs(loop.at(w * (1 + mpf(10) ** -20)))) * mpf(10) ** 20)
+        gains.append((w, mp.degrees(mp.arg(-loop.at(w))), flat))
+    for u in roots_between(turn, loop.top) if any(turn) else []:
+        w = loop.frequency(u)
+        value = loop.at(w).real
+        if value < 0:
+            phases.append((w, -1 / value))
+    for w, top, bottom in loop.ends():
+        if top * bottom < 0:
+            ratio = -bottom / top
+            phases.append((w, mpf(ratio.numerator) / mpf(ratio.denominator)))
+    return gains, sorted(phases)
+
+
+def measure(loop):
+    """Return every number asked of a margin routine, as decimal strings."""
+    gains, phases = crossings(loop)
+    modulus, _ = least_ratio(loop, add(loop.den, loop.num), loop.den)
+    inverse_mt, _ = least_ratio(loop, add(loop.den, loop.num), loop.num)
+    disk, _ = least_ratio(loop, add(loop.den, loop.num), add(loop.den, loop.num, -1))
+    return described(loop.stable(), gains, phases, modulus, 1 / inverse_mt, 2 * disk)
+
+
+def described(stable, gains, phases, modulus, mt, disk):
+    nearest = min(phases, key=lambda f: abs(mp.log(f[1])), default=None)
+    smallest = min(gains, key=lambda g: abs(g[1]), default=None)
+    delays = [mp.radians(g[1] if g[1] >= 0 else g[1] + 360) / g[0] for g in gains]
+    return {
+        "stable": stable,
+        "gain_crossings": [[short(w), short(pm)] for w, pm, _ in gains],
+        "phase_crossings": [[short(w), short(k)] for w, k in phases],
+        "gain_margin": short(nearest[1]) if nearest else None,
+        "phase_crossover": short(nearest[0]) if nearest else None,
+        "phase_margin_deg": short(smallest[1]) if smallest else None,
+        "crossover": short(smallest[0]) if smallest else None,
+        "delay_margin": short(min(delays)) if delays else None,
+        "modulus_margin": short(modulus),
+        "mt": short(mt),
+        "disk_margin": short(disk),
+        "flat": float(min([g[2] for g in gains], default=1)),
+    }
+
+
+def short(x):
+    return mp.nstr(x, DIGITS, min_fixed=0, max_fixed=0)
+
+
+def fractions(values):
+    return trim([Fraction(v) for v in reversed(values)])
+
+
+def from_w(num_w, den_w, dt):
+    """Return num, den in z (ascending Fractions) of a fraction in w = (2/dt)(z-1)/(z+1)."""
+    n = max(len(num_w), len(den_w)) - 1
+    return [in_z([ZERO] * (n + 1 - len(a)) + [Fraction(c) for c in a], Fraction(dt)) for a in (num_w, den_w)]
+
+
+def in_z(a, dt):
+    n, total = len(a) - 1, [ZERO]
+    for i, c in enumerate(a):
+        term = [c * (2 / dt) ** (n - i)]
+        for _ in range(n - i):
+            term = mul(term, [-ONE, ONE])
+        for _ in range(i):
+            term = mul(term, [ONE, ONE])
+        total = add(total, term)
+    return total
+
+
+def make():
+    mp.dps = 60
+    cases = []
+    for spec in sampled_loops():
+        if spec["form"] == "z":
+            num, den = fractions(spec["num"]), fractions(spec["den"])
+        else:
+            num, den = from_w(spec["truth_num_w"], spec["truth_den_w"], spec["dt"])
+        keep(cases, spec, measure(Sampled(num, den, spec["dt"])))
+    for spec in continuous_loops():
+        keep(cases, spec, measure(Continuous(fractions(spec["num"]), fractions(spec["den"]))))
+    for spec in dead_time_loops():
+        keep(cases, spec, with_dead_time(spec, described))
+    return cases
+
+
+def keep(cases, spec, found):
+    flat = found.pop("flat")
+    if flat < CLOSE:
+        sys.stderr.write(f"margins: {spec['name']} left out, a crossing as flat as {flat:.1g}\n")
+        return
+    spec = {k: v for k, v in spec.items() if not k.startswith("truth_")}
+    cases.append(spec | {"truth": found})
+    if len(cases) % 25 == 0:
+        sys.stderr.write(f"margins: {len(cases)} loops\n")
