@@ -1,4 +1,4 @@
-"""Margins of loops by exact fractions and mpmath. Shares no code with zoh.
+"""The margins of loops by exact fractions and mpmath. Shares no code with zoh.
 
 With z = exp(j theta) and u = 1 - cos(theta), |num|^2, |den|^2 and Im(num conj den)/sin(theta)
 are polynomials in u with rational coefficients, since a float is a fraction. Their common and
@@ -57,9 +57,9 @@ def divide(a, b):
 
 def gcd(a, b):
     while any(b):
-        a, b = b, [c / max(abs(x) for x in r) for r in [divide(a, b)[1]] for c in r] if any(
-            divide(a, b)[1]
-        ) else [ZERO]
+        rest = divide(a, b)[1]
+        size = max(abs(c) for c in rest) or ONE
+        a, b = b, [c / size for c in rest]
     return a
 
 
@@ -171,14 +171,12 @@ def closed_roots(loop):
     a = add(loop.den, loop.num)
     if len(a) < len(loop.den):
         raise ArithmeticError("a closed-loop root at infinity")
-    if len(a) == 1:
-        return []
-    while a[0] == 0:
-        a = a[1:]
-    repeated = squarefree(a)
-    top_first = [mpf(c.numerator) / mpf(c.denominator) for c in reversed(repeated)]
+    at_zero = next(i for i, c in enumerate(a) if c)
+    a = squarefree(a[at_zero:])
+    top_first = [mpf(c.numerator) / mpf(c.denominator) for c in reversed(a)]
     with mp.workdps(120):
-        return mp.polyroots(top_first, maxsteps=2000, extraprec=1000)
+        found = mp.polyroots(top_first, maxsteps=2000, extraprec=1000) if len(a) > 1 else []
+        return [mpc(0)] * min(at_zero, 1) + list(map(mpc, found))
 
 
 def least_ratio(loop, top, bottom):
@@ -192,39 +190,43 @@ def least_ratio(loop, top, bottom):
         if abs(horner(q, u)) > mpf(10) ** -60 * sum(abs(c) for c in q):
             found.append((mp.sqrt(abs(horner(p, u) / horner(q, u))), loop.frequency(u)))
     if loop.top is None and len(q) >= len(p):
-        far = mpf(0) if len(q) > len(p) else mp.sqrt(mpf((p[-1] / q[-1]).numerator) / (p[-1] / q[-1]).denominator)
-        found.append((far, mp.inf))
+        ratio = p[-1] / q[-1] if len(q) == len(p) else ZERO
+        found.append((mp.sqrt(mpf(ratio.numerator) / ratio.denominator), mp.inf))
     return min(found, key=lambda f: f[0])
 
 
 def crossings(loop):
-    """Return gain crossings (w, pm_deg, flatness) and phase crossings (w, factor)."""
+    """Return gain crossings (w, pm_deg), phase crossings (w, factor), the flattest of all."""
     size = add(loop.product(loop.num, loop.num)[0], loop.product(loop.den, loop.den)[0], -1)
     turn = loop.product(loop.num, loop.den)[1]
-    gains, phases = [], []
+    gains, phases, flats = [], [], [mpf(1)]
     for u in roots_between(size, loop.top):
         w = loop.frequency(u)
         flat = abs(mp.log(abs(loop.at(w * (1 + mpf(10) ** -20)))) * mpf(10) ** 20)
-        gains.append((w, mp.degrees(mp.arg(-loop.at(w))), flat))
+        flats.append(flat)
+        gains.append((w, mp.degrees(mp.arg(-loop.at(w)))))
     for u in roots_between(turn, loop.top) if any(turn) else []:
         w = loop.frequency(u)
         value = loop.at(w).real
         if value < 0:
             phases.append((w, -1 / value))
+            near = loop.at(w * (1 + mpf(10) ** -20))
+            flats.append(abs(near.imag / near.real) * mpf(10) ** 20)
     for w, top, bottom in loop.ends():
         if top * bottom < 0:
             ratio = -bottom / top
             phases.append((w, mpf(ratio.numerator) / mpf(ratio.denominator)))
-    return gains, sorted(phases)
+    return gains, sorted(phases), min(flats)
 
 
 def measure(loop):
     """Return every number asked of a margin routine, as decimal strings."""
-    gains, phases = crossings(loop)
+    gains, phases, flat = crossings(loop)
     modulus, _ = least_ratio(loop, add(loop.den, loop.num), loop.den)
     inverse_mt, _ = least_ratio(loop, add(loop.den, loop.num), loop.num)
     disk, _ = least_ratio(loop, add(loop.den, loop.num), add(loop.den, loop.num, -1))
-    return described(loop.stable(), gains, phases, modulus, 1 / inverse_mt, 2 * disk)
+    found = described(loop.stable(), gains, phases, modulus, 1 / inverse_mt, 2 * disk)
+    return found | {"flat": float(flat)}
 
 
 def described(stable, gains, phases, modulus, mt, disk):
@@ -233,7 +235,7 @@ def described(stable, gains, phases, modulus, mt, disk):
     delays = [mp.radians(g[1] if g[1] >= 0 else g[1] + 360) / g[0] for g in gains]
     return {
         "stable": stable,
-        "gain_crossings": [[short(w), short(pm)] for w, pm, _ in gains],
+        "gain_crossings": [[short(w), short(pm)] for w, pm in gains],
         "phase_crossings": [[short(w), short(k)] for w, k in phases],
         "gain_margin": short(nearest[1]) if nearest else None,
         "phase_crossover": short(nearest[0]) if nearest else None,
@@ -243,7 +245,6 @@ def described(stable, gains, phases, modulus, mt, disk):
         "modulus_margin": short(modulus),
         "mt": short(mt),
         "disk_margin": short(disk),
-        "flat": float(min([g[2] for g in gains], default=1)),
     }
 
 
@@ -258,7 +259,8 @@ def fractions(values):
 def from_w(num_w, den_w, dt):
     """Return num, den in z (ascending Fractions) of a fraction in w = (2/dt)(z-1)/(z+1)."""
     n = max(len(num_w), len(den_w)) - 1
-    return [in_z([ZERO] * (n + 1 - len(a)) + [Fraction(c) for c in a], Fraction(dt)) for a in (num_w, den_w)]
+    padded = [[ZERO] * (n + 1 - len(a)) + [Fraction(c) for c in a] for a in (num_w, den_w)]
+    return [in_z(a, Fraction(dt)) for a in padded]
 
 
 def in_z(a, dt):
@@ -281,6 +283,7 @@ def make():
             num, den = fractions(spec["num"]), fractions(spec["den"])
         else:
             num, den = from_w(spec["truth_num_w"], spec["truth_den_w"], spec["dt"])
+            den = [ZERO] * spec["delay"] + den
         keep(cases, spec, measure(Sampled(num, den, spec["dt"])))
     for spec in continuous_loops():
         keep(cases, spec, measure(Continuous(fractions(spec["num"]), fractions(spec["den"]))))
@@ -290,7 +293,7 @@ def make():
 
 
 def keep(cases, spec, found):
-    flat = found.pop("flat")
+    flat = found.pop("flat", 1.0)
     if flat < CLOSE:
         sys.stderr.write(f"margins: {spec['name']} left out, a crossing as flat as {flat:.1g}\n")
         return

@@ -84,15 +84,16 @@ class StepInfo:
     between_samples     the same, exactly, between the samples too; None where nothing is known there
     peak_effort         the largest |u| asked of the actuator, in input units; None for a bare T
 
-    A time that does not exist is None.
+    A percentage of a final value of 0, and a time that does not exist, are None: a response that
+    creeps up to its final value has no peak time.
     """
 
-    overshoot_pct: float
-    undershoot_pct: float
+    overshoot_pct: float | None
+    undershoot_pct: float | None
     rise_time: float | None
     settling_time: float | None
     peak: float
-    peak_time: float
+    peak_time: float | None
     final_value: float
     steady_state_error: float
     between_samples: "StepInfo | None" = None

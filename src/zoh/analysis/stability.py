@@ -5,6 +5,7 @@ poles on the right. Whole samples of delay are multiplied in. A continuous dead 
 long one, leaves no polynomial: there the argument principle counts.
 """
 
+from collections.abc import Sequence
 from decimal import Decimal
 from math import comb, pi
 
@@ -52,6 +53,11 @@ def hurwitz(a: list[Decimal]) -> bool:
             padded = [*lower[1:], *[Decimal(0)] * (len(upper) - len(lower))]
             upper, lower = lower, [u - ratio * c for u, c in zip(upper[1:], padded, strict=True)]
     return True
+
+
+def hurwitz_floats(a: Sequence[float]) -> bool:
+    """Return ``hurwitz`` of float coefficients, taken exactly."""
+    return hurwitz([Decimal(c) for c in a])
 
 
 def _with_delay(loop: Loop, m: int) -> list[Decimal]:

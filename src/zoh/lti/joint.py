@@ -74,7 +74,7 @@ class Joint:
 def joint_plant(joint: Joint, *, dead_time: float = 0.0, sensor: float = 1.0) -> Plant:
     """Return the plant from the motor's volts to the load's motion, exactly::
 
-        Kt/N / (s^0 or s^1) / (L J s^2 + (L b + R J) s + R b + Kt Ke)
+        Kt/N / (s^k (L J s^2 + (L b + R J) s + R b + Kt Ke))     k = 1: angle, 0: speed
 
     >>> motor = Joint(torque_constant=0.5, resistance=2.0, motor_inertia=0.25, output="rad/s")
     >>> joint_plant(motor)  # Kt/(R J s + Kt^2)

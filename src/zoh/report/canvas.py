@@ -91,11 +91,6 @@ def sheet(width: float = 6.0, height: float = 4.2) -> Figure:
     return figure
 
 
-def sheet_of(ax: Axes) -> Figure:
-    """Return the figure that an axis belongs to."""
-    return ax.get_figure(root=True) or sheet()
-
-
 def render(figure: Figure) -> tuple[str, bytes]:
     """Return (SVG text, PNG bytes): the same figure gives the same bytes, on any day.
 

@@ -53,7 +53,7 @@ class Held:
             a[-1] = [-float(x) for x in den_ascending]
         return cls(a=a, c=np.array([float(x) for x in c]), d=float(d), response=response, digits=needed)
 
-    def move(self, t: float) -> tuple[Array, Array]:
+    def move(self, t: float | Decimal) -> tuple[Array, Array]:
         """Return (Phi(t) - I, Gamma(t)) for a fraction t of a sample, each entry to a float."""
         n = self.response.order
         delta, gamma = np.zeros((n, n)), np.zeros(n)

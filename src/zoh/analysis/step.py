@@ -1,0 +1,180 @@
+"""The response to a reference step, its metrics at the samples and exactly between them.
+
+Between samples the output is a sum of exponentials that is known in closed form, so its
+extremes are roots of its derivative and its crossing times roots of itself: no grid decides a
+peak. A time is the true instant, a peak the true extreme.
+"""
+
+from dataclasses import dataclass, replace
+from math import ceil
+
+import numpy as np
+
+from zoh import checks
+from zoh.analysis.loop import Loop
+from zoh.analysis.motion import Array, autonomous, closed_loop, continuous
+from zoh.analysis.results import StepInfo
+from zoh.analysis.stability import hurwitz_floats
+from zoh.analysis.waveform import Waveform
+from zoh.errors import SpecError
+from zoh.lti import poly
+from zoh.lti.systems import Plant, Sampled
+from zoh.sampling.hold import sample
+
+RISE = (0.1, 0.9)
+BAND = 0.02
+_NOTHING = 1e-10  # an overshoot below this part of the final value is rounding
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Trace:
+    """A closed loop's step response as curves.
+
+    t, y, u             at the samples: time in s, output, input held from then on
+    t_between, y_between  the output between the samples too
+    """
+
+    t: Array
+    y: Array
+    u: Array
+    t_between: Array
+    y_between: Array
+
+
+def step_info(system: Plant | Sampled) -> StepInfo:
+    """Return the metrics of the step response of ``system``, a closed loop; reference step 1.
+
+    A Sampled is known at its samples; a Plant at all times. Raises SpecError unless it is
+    stable.
+
+    >>> info = step_info(Sampled(num=[0.5], den=[1, -0.5], dt=1.0))  # 1 - 0.5^k
+    >>> info.rise_time, info.settling_time, info.overshoot_pct
+    (3.0, 6.0, 0.0)
+    """
+    loop = Loop.of(system)
+    if not hurwitz_floats(loop.den):
+        raise SpecError("T", "must be stable", "a pole outside", "close a loop that is stable")
+    final = loop.num[-1] / loop.den[-1]
+    if isinstance(system, Sampled):
+        motion = autonomous(system)
+        return _metrics(Waveform.of(motion, motion.output), final, between=False)
+    rates = np.abs(poly.roots(loop.den))
+    dt = 1.0 / float(rates.max()) if rates.size else 1.0
+    motion = continuous(system, dt)
+    late = system.dead_time
+    info = _metrics(Waveform.of(motion, motion.output), final, between=True)
+    return replace(
+        info,
+        peak_time=None if info.peak_time is None else info.peak_time + late,
+        settling_time=None if info.settling_time is None else info.settling_time + late,
+    )
+
+
+def closed_loop_step(
+    plant: Plant, controller: Sampled, *, compute_delay: float = 0.0, reference: float = 1.0
+) -> StepInfo:
+    """Return the metrics of plant and controller in unity feedback, a stable loop.
+
+    The top level is at the samples, ``between_samples`` at all times, ``peak_effort`` the
+    largest |u|.
+    """
+    motion = closed_loop(plant, controller, compute_delay)
+    final = _final_value(plant, controller)
+    wave = Waveform.of(motion, motion.output)
+    at_samples = _metrics(wave, final, between=False)
+    between = _metrics(wave, final, between=True)
+    effort = 0.0 if motion.effort is None else float(np.abs(wave.states @ motion.effort).max())
+    scaled = _scaled(at_samples, reference)
+    return replace(
+        scaled, between_samples=_scaled(between, reference), peak_effort=effort * abs(reference)
+    )
+
+
+def trace(
+    plant: Plant,
+    controller: Sampled,
+    *,
+    compute_delay: float = 0.0,
+    reference: float = 1.0,
+    t_end: float,
+    per_sample: int = 20,
+) -> Trace:
+    """Return the closed loop's step response up to t_end seconds as curves to draw.
+
+    ``per_sample`` is the least number of points of the curve between two samples.
+    """
+    checks.positive("t_end", t_end, "give the last time in seconds")
+    motion = closed_loop(plant, controller, compute_delay)
+    count = ceil(t_end / motion.dt * (1 - 1e-12)) + 1
+    states = motion.run(motion.start, count)
+    t = motion.dt * np.arange(count)
+    times, values = [], []
+    for segment in motion.segments:
+        held = motion.held
+        if held is None:
+            continue
+        rows = np.array([held.c @ s + held.d * segment.input for s in segment.states])
+        times.append(segment.start + segment.times)
+        values.append(states @ rows.T)
+    dense = (np.arange(count)[:, None] + np.concatenate(times)[None, :]) * motion.dt
+    effort = motion.output * 0 if motion.effort is None else motion.effort
+    return Trace(
+        t=_frozen(t),
+        y=_frozen(reference * (states @ motion.output)),
+        u=_frozen(reference * (states @ effort)),
+        t_between=_frozen(dense.ravel()),
+        y_between=_frozen(reference * np.concatenate(values, axis=1).ravel()),
+    )
+
+
+def _final_value(plant: Plant, controller: Sampled) -> float:
+    """Return L(1)/(1 + L(1)), from the loop's polynomials at w = 0."""
+    loop = Loop.of(controller, sample(plant, controller.dt))
+    return loop.num[-1] / (loop.num[-1] + loop.den[-1])
+
+
+def _metrics(wave: Waveform, final: float, *, between: bool) -> StepInfo:
+    """Return the metrics of a waveform that settles to ``final``."""
+    size = abs(final)
+    sign = -1.0 if final < 0 else 1.0
+    if size == 0:
+        t, peak = wave.furthest(1.0, between=between)
+        low_t, low = wave.furthest(-1.0, between=between)
+        if -low > peak:
+            t, peak = low_t, -low
+        return StepInfo(
+            overshoot_pct=None, undershoot_pct=None, rise_time=None, settling_time=None,
+            peak=max(peak, 0.0), peak_time=t, final_value=0.0, steady_state_error=1.0,
+        )  # fmt: skip
+    t, peak = wave.furthest(sign, between=between)
+    _, lowest = wave.furthest(-sign, between=between)
+    over, under = peak / size - 1, lowest / size
+    begins = wave.first_reaches(sign, RISE[0] * size, between=between)
+    ends = wave.first_reaches(sign, RISE[1] * size, between=between)
+    return StepInfo(
+        overshoot_pct=100 * over if over > _NOTHING else 0.0,
+        undershoot_pct=100 * under if under > _NOTHING else 0.0,
+        rise_time=None if begins is None or ends is None else ends - begins,
+        settling_time=wave.last_outside(final, BAND * size, between=between),
+        peak=max(peak, size),
+        peak_time=t if over > _NOTHING else None,
+        final_value=final,
+        steady_state_error=1 - final,
+    )
+
+
+def _scaled(info: StepInfo, reference: float) -> StepInfo:
+    return replace(
+        info,
+        peak=info.peak * abs(reference),
+        final_value=info.final_value * reference,
+        steady_state_error=info.steady_state_error * reference,
+    )
+
+
+def _frozen(a: Array) -> Array:
+    a.flags.writeable = False
+    return a
+
+
+__all__ = ["Trace", "closed_loop_step", "step_info", "trace"]

@@ -1,0 +1,278 @@
+"""What was asked against what was measured.
+
+``Measured`` is evidence about one loop; ``Verified`` is evidence that everything asked is met,
+and cannot be built from anything less. Nothing here knows how the controller came about: the
+law and its gains are labels.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+from zoh.analysis.loop import Loop
+from zoh.analysis.margins import measure_loop
+from zoh.analysis.results import Margins, StepInfo
+from zoh.analysis.step import closed_loop_step
+from zoh.errors import NotMet, SpecError
+from zoh.lti.systems import Plant, Sampled
+from zoh.sampling.hold import sample
+from zoh.spec import Requirements
+
+NOTHING_ASKED = Requirements()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measured:
+    """One loop and what was measured of it.
+
+    plant, controller  as given; sampled is the plant behind its hold, sensor included
+    compute_delay      s, from sampling to output
+    reference          the step asked of the loop, in the units the controller compares
+    law, gains, name   labels
+    step               None where the closed loop is unstable
+    misses             one sentence for each requirement missed; empty where all is met
+    """
+
+    name: str
+    law: str
+    gains: Mapping[str, float]
+    plant: Plant
+    sampled: Sampled
+    controller: Sampled
+    compute_delay: float
+    reference: float
+    requirements: Requirements
+    margins: Margins
+    step: StepInfo | None
+    misses: tuple[str, ...] = field(default=())
+
+    @property
+    def dt(self) -> float:
+        """Return the sample time in s."""
+        return self.controller.dt
+
+    @property
+    def loop(self) -> Sampled:
+        """Return the open loop, controller times sampled plant."""
+        return self.controller * self.sampled
+
+    @property
+    def met(self) -> bool:
+        """Return whether everything asked is met, stability first."""
+        return not self.misses
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON form, one entry of ``designs``."""
+        return {
+            "name": self.name,
+            "law": self.law,
+            "feasible": True,
+            "reason": None,
+            "gains": dict(self.gains),
+            "controller": {
+                "num": list(self.controller.num),
+                "den": list(self.controller.den),
+                "dt": self.dt,
+                "num_w": list(self.controller.num_w),
+                "den_w": list(self.controller.den_w),
+            },
+            "margins": self.margins.to_dict(),
+            "step": None if self.step is None else self.step.to_dict(),
+            "met": self.met,
+            "misses": list(self.misses),
+        }
+
+    def report(self) -> str:
+        """Return what was measured in a few lines."""
+        m = self.margins
+        gains = ", ".join(f"{k} = {v:.6g}" for k, v in self.gains.items())
+        lines = [
+            f"{self.name}: {self.law}" + (f" with {gains}" if gains else ""),
+            f"  D(z) = {fraction(self.controller.num, self.controller.den, 'z')}, dt = {self.dt:g} s",
+            f"  closed loop {'stable' if m.stable else 'UNSTABLE'}",
+            f"  phase margin {m.phase_margin_deg:.6g} deg at {_or_none(m.crossover)} rad/s,"
+            f" gain margin {m.gain_margin_db:.4g} dB at {_or_none(m.phase_crossover)} rad/s",
+            f"  delay margin {m.delay_margin:.4g} s, Ms {m.ms:.4g}, Mt {m.mt:.4g}",
+        ]
+        if self.step is not None:
+            lines.append(_step_line(self.step))
+        lines += [f"  MISSED: {miss}" for miss in self.misses]
+        return "\n".join(lines)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Verified(Measured):
+    """A loop that is stable and meets every requirement; made by ``verify`` alone."""
+
+    def __post_init__(self) -> None:
+        found = missed(self.requirements, self.margins, self.step)
+        if found or self.misses:
+            raise NotMet(tuple(found) or self.misses, self)
+
+
+def measure(
+    plant: Plant,
+    controller: Sampled,
+    *,
+    dt: float | None = None,
+    compute_delay: float = 0.0,
+    requirements: Requirements = NOTHING_ASKED,
+    reference: float = 1.0,
+    law: str = "given",
+    gains: Mapping[str, float] | None = None,
+    name: str | None = None,
+) -> Measured:
+    """Return everything measured of plant and controller in unity feedback.
+
+    ``dt`` may be given to say which sample time is meant; it must be the controller's.
+    Raises SpecError for what is no plant, no controller, or two sample times.
+    """
+    if not isinstance(controller, Sampled):
+        raise SpecError("controller", "must be a zoh.Sampled", controller, "give num, den and dt")
+    if dt is not None and dt != controller.dt:
+        raise SpecError("dt", f"must be the controller's {controller.dt!r} s", dt, "use one clock")
+    sampled = sample(plant, controller.dt, compute_delay)
+    margins = measure_loop(Loop.of(controller, sampled))
+    step = None
+    if margins.stable:
+        step = closed_loop_step(
+            plant, controller, compute_delay=compute_delay, reference=reference
+        )
+    return Measured(
+        name=name or law,
+        law=law,
+        gains=MappingProxyType(dict(gains or {})),
+        plant=plant,
+        sampled=sampled,
+        controller=controller,
+        compute_delay=compute_delay,
+        reference=reference,
+        requirements=requirements,
+        margins=margins,
+        step=step,
+        misses=tuple(missed(requirements, margins, step)),
+    )
+
+
+def verify(
+    plant: Plant,
+    controller: Sampled,
+    *,
+    dt: float | None = None,
+    compute_delay: float = 0.0,
+    requirements: Requirements = NOTHING_ASKED,
+    reference: float = 1.0,
+    law: str = "given",
+    gains: Mapping[str, float] | None = None,
+    name: str | None = None,
+) -> Verified:
+    """Return the loop as ``Verified``; raise NotMet, with the evidence, where it is not.
+
+    >>> plant = Plant(num=[1], den=[1, 1])
+    >>> verify(plant, Sampled(num=[2.0], den=[1.0], dt=0.1)).margins.stable
+    True
+    >>> verify(plant, Sampled(num=[30.0], den=[1.0], dt=0.1))
+    Traceback (most recent call last):
+    zoh.errors.NotMet: not met: the closed loop is unstable
+    """
+    evidence = measure(
+        plant, controller, dt=dt, compute_delay=compute_delay, requirements=requirements,
+        reference=reference, law=law, gains=gains, name=name,
+    )  # fmt: skip
+    return verified(evidence)
+
+
+def verified(evidence: Measured) -> Verified:
+    """Return the evidence as ``Verified``, or raise NotMet that carries it."""
+    if evidence.misses:
+        raise NotMet(evidence.misses, evidence)
+    return Verified(**{f: getattr(evidence, f) for f in Measured.__slots__})
+
+
+def missed(asked: Requirements, margins: Margins, step: StepInfo | None) -> list[str]:
+    """Return a sentence for each requirement missed, instability first."""
+    if not margins.stable:
+        return ["the closed loop is unstable"]
+    found = []
+    for name, bound, value, at_least in _compared(asked, margins, step):
+        if bound is None:
+            continue
+        good = value is not None and (value >= bound if at_least else value <= bound)
+        if not good:
+            word = "at least" if at_least else "at most"
+            shown = "none" if value is None else f"{value:.6g}"
+            found.append(f"{name} must be {word} {bound:g}, measured {shown}")
+    return found
+
+
+def _compared(
+    asked: Requirements, margins: Margins, step: StepInfo | None
+) -> list[tuple[str, float | None, float | None, bool]]:
+    """Return (name, bound, measured, whether the bound is a least) for every requirement."""
+    gain_db = abs(margins.gain_margin_db)
+    rows: list[tuple[str, float | None, float | None, bool]] = [
+        ("pm_deg", asked.pm_deg, margins.phase_margin_deg, True),
+        ("gain_margin_db", asked.gain_margin_db, gain_db, True),
+        ("delay_margin", asked.delay_margin, margins.delay_margin, True),
+        ("ms", asked.ms, margins.ms, False),
+        ("mt", asked.mt, margins.mt, False),
+    ]
+    if step is not None:
+        between = step.between_samples or step
+        rows += [
+            ("overshoot_pct", asked.overshoot_pct, between.overshoot_pct, False),
+            ("rise_time", asked.rise_time, step.rise_time, False),
+            ("settling_time", asked.settling_time, step.settling_time, False),
+            ("steady_state_error", asked.steady_state_error, abs(step.steady_state_error), False),
+            ("peak_effort", asked.peak_effort, step.peak_effort, False),
+        ]
+    return rows
+
+
+def fraction(num: tuple[float, ...], den: tuple[float, ...], variable: str) -> str:
+    """Return num/den as one line of text.
+
+    >>> fraction((2.0, -1.0), (1.0, 0.0, -1.0), "z")
+    '(2 z - 1)/(z^2 - 1)'
+    """
+    return f"({polynomial(num, variable)})/({polynomial(den, variable)})"
+
+
+def polynomial(a: tuple[float, ...], variable: str, digits: int = 6) -> str:
+    """Return a polynomial as text, zero terms left out.
+
+    >>> polynomial((1.0, 0.0, -0.5), "z")
+    'z^2 - 0.5'
+    """
+    n = len(a) - 1
+    text = ""
+    for i, c in enumerate(a):
+        if c == 0 and n:
+            continue
+        power = n - i
+        size = "" if abs(c) == 1 and power else f"{abs(c):.{digits}g}"
+        tail = "" if not power else variable if power == 1 else f"{variable}^{power}"
+        joint = (" - " if c < 0 else " + ") if text else ("-" if c < 0 else "")
+        text += joint + " ".join(part for part in (size, tail) if part)
+    return text or "0"
+
+
+def _or_none(value: float | None) -> str:
+    return "no" if value is None else f"{value:.6g}"
+
+
+def _step_line(step: StepInfo) -> str:
+    between = step.between_samples or step
+    over = between.overshoot_pct
+    parts = [
+        "no overshoot defined" if over is None else f"overshoot {over:.4g} %",
+        "never rises" if step.rise_time is None else f"rise {step.rise_time:.4g} s",
+        "does not settle" if step.settling_time is None else f"settling {step.settling_time:.4g} s",
+    ]
+    if step.peak_effort is not None:
+        parts.append(f"peak effort {step.peak_effort:.4g}")
+    return "  step: " + ", ".join(parts)
+
+
+__all__ = ["Measured", "Verified", "measure", "verified", "verify"]

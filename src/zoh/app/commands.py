@@ -1,0 +1,144 @@
+"""``zoh design`` and ``zoh check`` without their terminal: a project in, what came out."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import zoh
+from zoh.analysis.verify import Measured, measure
+from zoh.app.claims import Finding, check
+from zoh.app.project import GIVEN, Given, Project, Request
+from zoh.app.toml import within
+from zoh.errors import Infeasible, NotMet, SpecError
+from zoh.pipeline import design
+from zoh.sampling.hold import sample
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Entry:
+    """One controller: measured, or refused by its law; with the claims made of it.
+
+    Exactly one of ``measured`` and ``refusal`` is there.
+    """
+
+    name: str
+    law: str
+    measured: Measured | None = None
+    refusal: Infeasible | None = None
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def failure(self) -> str | None:
+        """Why this controller fails, in one line; None where it does not."""
+        if self.refusal is not None:
+            return str(self.refusal)
+        wrong = [f.sentence for f in self.findings if not f.holds]
+        misses = [] if self.measured is None else list(self.measured.misses)
+        return "; ".join([*misses, *wrong]) or None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON form, one entry of ``designs``."""
+        if self.measured is not None:
+            return self.measured.to_dict()
+        refusal = self.refusal
+        return {
+            "name": self.name,
+            "law": self.law,
+            "feasible": False,
+            "reason": None if refusal is None else refusal.reason,
+            "gains": None,
+            "controller": None,
+            "margins": None,
+            "step": None,
+            "met": False,
+            "misses": [],
+            "needed_deg": None if refusal is None else refusal.needed_deg,
+            "best_pm_deg": None if refusal is None else refusal.best_pm_deg,
+            "nearest_wc": None if refusal is None else refusal.nearest_wc,
+            "laws_that_can": [] if refusal is None else list(refusal.laws_that_can),
+        }
+
+
+def design_all(project: Project) -> tuple[Entry, ...]:
+    """Return every controller of the file: designed, refused, or measured where it is given."""
+    return tuple(
+        _designed(project, c) if isinstance(c, Request) else _measured(project, c)
+        for c in project.controllers
+    )
+
+
+def check_all(project: Project) -> tuple[Entry, ...]:
+    """Return every given controller, measured, with its claims beside what is true."""
+    given = [c for c in project.controllers if isinstance(c, Given)]
+    if not given:
+        laws = ", ".join(c.law for c in project.controllers if isinstance(c, Request))
+        way_out = 'add law = "given" with num and den, or run zoh design'
+        raise SpecError("controller", 'must have law = "given" to be checked', laws, way_out)
+    return tuple(_measured(project, c, claimed=True) for c in given)
+
+
+def _designed(project: Project, request: Request) -> Entry:
+    name, law = request.name, request.law
+    try:
+        with within(f'controller "{name}": '):
+            made: Measured = design(
+                project.plant,
+                law,
+                request.parameters,
+                dt=project.dt,
+                compute_delay=project.compute_delay,
+                requirements=project.requirements,
+                reference=project.reference,
+                name=name,
+            )
+    except NotMet as e:
+        return Entry(name=name, law=law, measured=e.measured)
+    except Infeasible as e:
+        return Entry(name=name, law=law, refusal=e)
+    return Entry(name=name, law=law, measured=made)
+
+
+def _measured(project: Project, given: Given, *, claimed: bool = False) -> Entry:
+    with within(f'controller "{given.name}": '):
+        found = measure(
+            project.plant,
+            given.controller,
+            compute_delay=project.compute_delay,
+            requirements=project.requirements,
+            reference=project.reference,
+            law=GIVEN,
+            name=given.name,
+        )
+    findings = check(given.claims, found) if claimed else ()
+    return Entry(name=given.name, law=GIVEN, measured=found, findings=findings)
+
+
+def to_dict(project: Project, entries: Sequence[Entry]) -> dict[str, Any]:
+    """Return the JSON object of the contract; findings only where claims were checked."""
+    plant = sample(project.plant, project.dt, project.compute_delay)
+    designs = []
+    for entry in entries:
+        findings = [f.to_dict() for f in entry.findings]
+        designs.append(entry.to_dict() | ({"findings": findings} if findings else {}))
+    return {
+        "zoh": zoh.__version__,
+        "plant": {"num": list(plant.num), "den": list(plant.den), "dt": plant.dt},
+        "designs": designs,
+        "warnings": list(warnings(project, entries)),
+    }
+
+
+def warnings(project: Project, entries: Sequence[Entry]) -> tuple[str, ...]:
+    """Return what the linear numbers do not show: an actuator that cannot give what is asked."""
+    ends = [abs(x) for x in (project.actuator.low, project.actuator.high) if x is not None]
+    unit = f" {project.input_unit}" if project.input_unit else ""
+    said = []
+    for entry in entries:
+        step = None if entry.measured is None else entry.measured.step
+        if ends and step is not None and (step.peak_effort or 0.0) > max(ends):
+            said.append(
+                f"{entry.name} asks for {step.peak_effort:.4g}{unit} in a step of "
+                f"{project.reference:g}, the actuator ends at {max(ends):g}{unit}: it saturates, "
+                "and the step response is not the linear one shown"
+            )
+    return tuple(said)

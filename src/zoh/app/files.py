@@ -1,0 +1,75 @@
+"""The only place that reads and writes files: nothing half-read, nothing half-written."""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+from zoh.app.toml import LONGEST
+from zoh.errors import SpecError
+
+_SHARED = "must be a project file that can be read"
+
+
+def read_text(path: str) -> str:
+    """Return the text of a file, or raise SpecError with the reason in one line."""
+    try:
+        with open(path, "rb") as file:
+            data = file.read(4 * LONGEST + 1)  # a device without an end stops here, too
+    except (OSError, ValueError) as e:  # ValueError: a name that no file can have
+        reason = e.strerror if isinstance(e, OSError) and e.strerror else str(e)
+        raise SpecError("FILE", _SHARED, path, reason.lower()) from None
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as e:
+        way_out = f"save it as UTF-8 (byte {e.start} is none)"
+        raise SpecError("FILE", "must be UTF-8 text", path, way_out) from None
+
+
+def write_all(directory: str, files: Mapping[str, str | bytes], *, force: bool) -> None:
+    """Write all files or none; existing ones only with ``force``. Nothing is ever deleted.
+
+    All names are looked at before the first byte, all bytes are on disk before the first
+    rename, so a file is there whole or not at all.
+    """
+    folder = Path(directory)
+    try:
+        _refuse_what_is_there(folder, files, force)
+        folder.mkdir(parents=True, exist_ok=True)
+        _write(folder, files)
+    except (OSError, ValueError) as e:
+        if isinstance(e, SpecError):
+            raise
+        reason = e.strerror if isinstance(e, OSError) and e.strerror else str(e)
+        bound = "must be a folder that can be written"
+        raise SpecError("--out", bound, directory, reason.lower()) from None
+
+
+def _refuse_what_is_there(folder: Path, files: Mapping[str, str | bytes], force: bool) -> None:
+    if folder.exists() and not folder.is_dir():
+        raise SpecError("--out", "must be a folder", str(folder), "name another one")
+    for name in files:
+        if Path(name).name != name:
+            raise SpecError("file name", "must be a plain name", name, "this is a defect of zoh")
+        path = folder / name
+        if not os.path.lexists(path):
+            continue
+        if not force:
+            bound = "must not hold a file of that name already"
+            raise SpecError("--out", bound, str(path), "add --force, or name another folder")
+        if path.is_dir():
+            raise SpecError("--out", "must not hold a folder of that name", str(path), "move it")
+
+
+def _write(folder: Path, files: Mapping[str, str | bytes]) -> None:
+    parts = {name: folder / f".{name}.{os.getpid()}.part" for name in files}
+    made: list[Path] = []
+    try:
+        for name, content in files.items():
+            with open(parts[name], "xb") as file:
+                made.append(parts[name])
+                file.write(content.encode() if isinstance(content, str) else content)
+        for name, part in parts.items():
+            os.replace(part, folder / name)
+    finally:
+        for part in made:
+            part.unlink(missing_ok=True)  # our own scratch, after a failure

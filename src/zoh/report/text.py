@@ -1,0 +1,140 @@
+"""Measured designs as text: numbers, transfer functions and tables in Markdown."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from math import ceil, inf, log10
+
+from zoh.analysis.results import StepInfo
+from zoh.analysis.verify import Measured
+from zoh.lti.poly import trim
+from zoh.lti.systems import Sampled
+
+NOTHING = "–"  # a quantity that does not exist
+
+
+def design_table(results: Sequence[Measured]) -> str:
+    """Return the comparison as a Markdown table, one column per design."""
+    rows = zip(*(facts(d).items() for d in results), strict=True)
+    head = ["", *(cell(d.name) for d in results)]
+    return table(head, [[row[0][0], *(value for _, value in row)] for row in rows])
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a Markdown table.
+
+    >>> print(table(["a", "b"], [["1", "2"]]))
+    | a | b |
+    | --- | --- |
+    | 1 | 2 |
+    """
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def in_z(system: Sampled, digits: int = 6) -> str:
+    """Return D(z) as text.
+
+    >>> in_z(Sampled(num=[5.839, -5.823], den=[1, -1], dt=0.1))
+    '(5.839 z − 5.823)/(z − 1)'
+    """
+    return _fraction(system.num, system.den, "z", digits)
+
+
+def in_w(system: Sampled, digits: int = 6) -> str:
+    """Return D(w) as text, the first coefficient of its denominator 1.
+
+    >>> in_w(Sampled(num=[1.0, 1.0], den=[1.0, -1.0], dt=2.0))
+    '1/w'
+    """
+    num, den = trim(system.num_w), trim(system.den_w)
+    text = _fraction([c / den[0] for c in num], [c / den[0] for c in den], "w", digits)
+    return text if not system.delay else f"z^-{system.delay} {text}"
+
+
+def number(value: float | None, digits: int = 4) -> str:
+    """Return a value for a person to read: no more digits than asked, infinity as ∞.
+
+    >>> number(2.88961, 3), number(inf), number(None), number(-1e-17)
+    ('2.89', '∞', '–', '0')
+    """
+    if value is None:
+        return NOTHING
+    if value == inf:
+        return "∞"
+    text = f"{0.0 if abs(value) < 1e-12 else value:.{digits}g}"  # rounding of a zero
+    return text.replace("-", "−")
+
+
+def cell(text: str) -> str:
+    """Return user text that cannot leave its table cell."""
+    return " ".join(text.replace("|", "\\|").split())
+
+
+def slug(name: str, taken: Iterable[str] = ()) -> str:
+    """Return a file name of letters, digits and dashes, different from those taken.
+
+    >>> slug("PID, 40 deg"), slug("../x", ["x"])
+    ('pid-40-deg', 'x-2')
+    """
+    plain = "".join(c if c.isascii() and c.isalnum() else " " for c in name.lower())
+    base = "-".join(plain.split()) or "design"
+    used, k, out = set(taken), 1, base
+    while out in used:
+        k += 1
+        out = f"{base}-{k}"
+    return out
+
+
+def horizon(steps: Iterable[StepInfo | None]) -> float:
+    """Return seconds that show every response settle, rounded up to one digit or to half."""
+    known = [s.settling_time for s in steps if s is not None and s.settling_time]
+    longest = 1.3 * max(known, default=1.0)
+    unit = float(10.0 ** (ceil(log10(longest)) - 1))
+    return ceil(longest / unit) * unit
+
+
+def facts(d: Measured) -> Mapping[str, str]:
+    """Return every row of the comparison for one design."""
+    m, s = d.margins, d.step
+    between = s.between_samples if s is not None else None
+    gains = ", ".join(f"{k} = {number(v, 6)}" for k, v in d.gains.items())
+    return {
+        "law": cell(d.law),
+        "gains": cell(gains) or NOTHING,
+        "D(z)": in_z(d.controller),
+        "D(w)": in_w(d.controller),
+        "closed loop": "stable" if m.stable else "**unstable**",
+        "crossover, rad/s": number(m.crossover),
+        "phase margin, deg": number(m.phase_margin_deg),
+        "gain margin, dB": number(m.gain_margin_db),
+        "delay margin, s": number(m.delay_margin),
+        "Ms": number(m.ms),
+        "overshoot at the samples, %": number(s and s.overshoot_pct, 3),
+        "overshoot between them, %": number(between and between.overshoot_pct, 3),
+        "rise time, s": number(s and s.rise_time, 3),
+        "settling time, s": number(s and s.settling_time, 3),
+        "steady-state error": number(s and s.steady_state_error, 3),
+        "peak effort": number(s and s.peak_effort, 3),
+        "requirements": "met" if d.met else "**missed**",
+    }
+
+
+def _fraction(num: Sequence[float], den: Sequence[float], variable: str, digits: int) -> str:
+    top, bottom = _polynomial(num, variable, digits), _polynomial(den, variable, digits)
+    if bottom == "1":
+        return top
+    bare = variable in bottom and " " in bottom
+    return f"{f'({top})' if ' ' in top else top}/{f'({bottom})' if bare else bottom}"
+
+
+def _polynomial(a: Sequence[float], variable: str, digits: int) -> str:
+    out = ""
+    for i, c in enumerate(a):
+        power = len(a) - 1 - i
+        if not c:
+            continue
+        size = number(abs(c), digits)
+        name = {0: "", 1: variable}.get(power, f"{variable}^{power}")
+        term = name if name and size == "1" else f"{size} {name}".strip()
+        sign = "−" if c < 0 else "+"
+        out += f" {sign} {term}" if out else (f"−{term}" if c < 0 else term)
+    return out or "0"
