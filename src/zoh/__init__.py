@@ -1,3 +1,50 @@
-"""zoh: digital controllers that provably meet their specification."""
+"""zoh: digital controllers that provably meet their specification.
+
+A plant and a specification go in, a verified controller comes out::
+
+    arm = zoh.Plant.parse("2.3/(s^2 + 0.7809 s)", sensor=12 / 180)
+    d = zoh.pid(arm, dt=0.1, wc=1.95, pm_deg=40, ki=0.85)
+    print(d.report())
+"""
+
+from zoh.analysis.margins import margins
+from zoh.analysis.results import Margins, StepInfo
+from zoh.analysis.step import Trace, step_info, trace
+from zoh.analysis.verify import Measured, Verified, measure, verify
+from zoh.errors import Infeasible, NotMet, SpecError, ZohError
+from zoh.lti.systems import Plant, Sampled
+from zoh.pipeline import LAWS, design, lag, lead, p, pd, pi, pid
+from zoh.sampling.hold import sample
+from zoh.spec import Crossover, Requirements
 
 __version__ = "0.1.0"
+
+__all__ = [
+    "LAWS",
+    "Crossover",
+    "Infeasible",
+    "Margins",
+    "Measured",
+    "NotMet",
+    "Plant",
+    "Requirements",
+    "Sampled",
+    "SpecError",
+    "StepInfo",
+    "Trace",
+    "Verified",
+    "ZohError",
+    "design",
+    "lag",
+    "lead",
+    "margins",
+    "measure",
+    "p",
+    "pd",
+    "pi",
+    "pid",
+    "sample",
+    "step_info",
+    "trace",
+    "verify",
+]

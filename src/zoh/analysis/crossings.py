@@ -37,7 +37,12 @@ def landmarks(loop: Loop) -> Array:
     low, high = size.min() / 100, size.max() * 100
     count = int(12 * np.log10(high / low)) + 2
     around = np.abs(every.imag)[:, None] + np.abs(every.real)[:, None] * _AROUND
-    points = [np.geomspace(low, high, count), around.ravel(), np.abs(every), _delay_grid(loop, high)]
+    points = [
+        np.geomspace(low, high, count),
+        around.ravel(),
+        np.abs(every),
+        _delay_grid(loop, high),
+    ]
     v = np.concatenate(points)
     v = v[(v >= low * 1e-3) & (v <= high * 1e3)]
     return np.unique(v)
@@ -78,7 +83,9 @@ def sign_changes(
     v = v[np.isfinite(v) & (v > 0)]
     sign = np.sign(on(v))
     v, sign = v[sign != 0], sign[sign != 0]
-    return [bracketed(f, float(v[i]), float(v[i + 1])) for i in np.flatnonzero(sign[1:] != sign[:-1])]
+    return [
+        bracketed(f, float(v[i]), float(v[i + 1])) for i in np.flatnonzero(sign[1:] != sign[:-1])
+    ]
 
 
 def bracketed(f: Callable[[float], float], a: float, b: float) -> float:

@@ -77,7 +77,10 @@ def _gain_crossings(
     """Return (frequency, phase margin in deg) wherever |L| passes through 1."""
     square = poly.plus(poly.size_squared(loop.num), poly.size_squared(loop.den), -1.0)
     if not any(square):  # |L| = 1 everywhere: the margin is 0 wherever L = -1, 180 at L = 1
-        ends = [(loop.frequency(v), 0.0 if top * bottom < 0 else 180.0) for v, top, bottom in loop.ends()]
+        ends = [
+            (loop.frequency(v), 0.0 if top * bottom < 0 else 180.0)
+            for v, top, bottom in loop.ends()
+        ]
         return sorted({(w, 0.0) for w, _ in by_phase} | set(ends))
 
     def excess(v: float) -> float:
@@ -136,7 +139,9 @@ def _always_real(loop: Loop, grid: Array) -> list[tuple[float, float]]:
     Any gain inside its range then makes it marginal somewhere: where |L| is 1 the factor is 1.
     """
     found = [
-        (w, 1.0) for w, pm in _gain_crossings(loop, grid, []) if abs(pm) < 1e-9  # deg: -1, not +1
+        (w, 1.0)
+        for w, pm in _gain_crossings(loop, grid, [])
+        if abs(pm) < 1e-9  # deg: -1, not +1
     ]
     for v, top, bottom in loop.ends():
         if top * bottom < 0:
@@ -154,9 +159,7 @@ def _turning(loop: Loop) -> Poly:
         num, den = poly.times(num, fall), poly.times(den, grow)
     num_even, num_odd = poly.even_odd(num)
     den_even, den_odd = poly.even_odd(den)
-    return poly.trim(
-        poly.plus(poly.times(num_odd, den_even), poly.times(num_even, den_odd), -1.0)
-    )
+    return poly.trim(poly.plus(poly.times(num_odd, den_even), poly.times(num_even, den_odd), -1.0))
 
 
 def _num(loop: Loop, v: float, top: complex, bottom: complex) -> complex:

@@ -119,7 +119,9 @@ class Motion:
         ks, zs, k, z, total = [], [], 0, self.start, 0
         while k <= end and total < _MOST:
             alive = rates[rates[:, 0] * k > -30.0, 1]  # exp(-30) of what it was is nothing
-            stride = int(2.0 ** np.floor(np.log2(max(1.0, 0.05 / max(alive.max(initial=0.0), 1e-300)))))
+            stride = int(
+                2.0 ** np.floor(np.log2(max(1.0, 0.05 / max(alive.max(initial=0.0), 1e-300))))
+            )
             stride = min(stride, max(1, (end - k) // 64))
             count = min(max(1, (end - k) // stride + 1), 4 * _BLOCK)
             states = self.run(z, count + 1, stride)
@@ -154,7 +156,9 @@ def closed_loop(plant: Plant, controller: Sampled, compute_delay: float = 0.0) -
     seen = held.c @ x
     direct = dc * held.d if not m else 0.0
     if 1 + direct == 0:
-        raise SpecError("controller", "must not close an algebraic loop of gain -1", dc, "add delay")
+        raise SpecError(
+            "controller", "must not close an algebraic loop of gain -1", dc, "add delay"
+        )
     if m:
         seen = seen + held.d * past[-1]
     u = (cc @ xc + dc * (r - seen)) / (1 + direct)
@@ -235,7 +239,7 @@ def _fractions(held: Held, length: Decimal) -> tuple[Array, bool]:
     sample, ever wider apart from the start on, where it is excited.
     """
     end = float(length)
-    fastest = float(np.abs(np.linalg.eigvals(held.a)).max(initial=0.0))
+    fastest = held.fastest
     count = int(min(64, max(8, 2 ** ceil(np.log2(2 * fastest * end + 1e-300)))))
     even = np.linspace(0.0, end, count + 1)
     if fastest * end <= 32:
@@ -252,7 +256,9 @@ def realised(system: Sampled) -> tuple[Array, Array, Array, float]:
     w-form: there the z-form serves. The delay is not in it.
     """
     if system.den_w[0] == 0:
-        a, b, c, d = _companion(_without_delay(system.num, system), _without_delay(system.den, system))
+        a, b, c, d = _companion(
+            _without_delay(system.num, system), _without_delay(system.den, system)
+        )
         return a - np.eye(len(c)), b, c, d
     h = system.dt / 2
     n = len(system.den_w) - 1

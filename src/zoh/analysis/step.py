@@ -57,12 +57,12 @@ def step_info(system: Plant | Sampled) -> StepInfo:
     final = loop.num[-1] / loop.den[-1]
     if isinstance(system, Sampled):
         motion = autonomous(system)
-        return _metrics(Waveform.of(motion, motion.output), final, between=False)
+        return _metrics(Waveform.of(motion, motion.output, motion.track()), final, between=False)
     rates = np.abs(poly.roots(loop.den))
     dt = 1.0 / float(rates.max()) if rates.size else 1.0
     motion = continuous(system, dt)
     late = system.dead_time
-    info = _metrics(Waveform.of(motion, motion.output), final, between=True)
+    info = _metrics(Waveform.of(motion, motion.output, motion.track()), final, between=True)
     return replace(
         info,
         peak_time=None if info.peak_time is None else info.peak_time + late,
@@ -80,10 +80,14 @@ def closed_loop_step(
     """
     motion = closed_loop(plant, controller, compute_delay)
     final = _final_value(plant, controller)
-    wave = Waveform.of(motion, motion.output)
+    track = motion.track()
+    wave = Waveform.of(motion, motion.output, track)
     at_samples = _metrics(wave, final, between=False)
     between = _metrics(wave, final, between=True)
-    effort = 0.0 if motion.effort is None else float(np.abs(wave.states @ motion.effort).max())
+    effort = 0.0
+    if motion.effort is not None:
+        asked = Waveform.of(replace(motion, held=None), motion.effort, track)
+        effort = float(np.abs(asked.y).max())
     scaled = _scaled(at_samples, reference)
     return replace(
         scaled, between_samples=_scaled(between, reference), peak_effort=effort * abs(reference)

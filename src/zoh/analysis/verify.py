@@ -136,9 +136,7 @@ def measure(
     margins = measure_loop(Loop.of(controller, sampled))
     step = None
     if margins.stable:
-        step = closed_loop_step(
-            plant, controller, compute_delay=compute_delay, reference=reference
-        )
+        step = closed_loop_step(plant, controller, compute_delay=compute_delay, reference=reference)
     return Measured(
         name=name or law,
         law=law,

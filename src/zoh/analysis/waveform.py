@@ -15,11 +15,13 @@ import numpy.typing as npt
 
 from zoh.analysis.crossings import bracketed
 from zoh.analysis.motion import Array, Motion, Segment
+from zoh.sampling.between import Held
 
 Indices = npt.NDArray[np.int64]
 
 _TERMS = 24  # of the Taylor series over half a radian: the last is below 1e-25 of the first
 _INVERSE = np.array([1 / factorial(j) for j in range(_TERMS)])
+_CHUNK = 65_536  # samples bounded at once
 _WIDE = 0.6  # radians of the fastest mode beyond which the series is left for the exponential
 
 
@@ -39,125 +41,95 @@ class Waveform:
 
     k, states  the samples at which the state is known, shape (K,) and (K, N)
     y          the output there, shape (K,)
+    low, high  bounds of the output from each sample to the next, shape (K,)
     """
 
     motion: Motion
-    row: Array
     k: Indices
     states: Array
     y: Array
+    low: Array
+    high: Array
 
     @classmethod
-    def of(cls, motion: Motion, row: Array) -> "Waveform":
-        """Return the waveform of ``row`` times the state, filled in where it matters."""
-        k, states = motion.track()
-        y = states @ row
-        wanted = _stretches(k, y)
+    def of(cls, motion: Motion, row: Array, track: tuple[Indices, Array]) -> "Waveform":
+        """Return the waveform of ``row`` times the state along a track, filled in as needed."""
+        k, states = track
+        wanted = _stretches(k, states @ row)
         if wanted:
             k, states = _filled(motion, k, states, wanted)
-            y = states @ row
-        return cls(motion=motion, row=row, k=k, states=states, y=y)
+        y = states @ row
+        low, high = _bounds(motion, k, states, y)
+        return cls(motion=motion, k=k, states=states, y=y, low=low, high=high)
 
     def furthest(self, sign: float, *, between: bool) -> tuple[float, float]:
         """Return (time in s, sign * y) where sign * y is largest."""
         i = int(np.argmax(sign * self.y))
         best = float(self.k[i]), float(sign * self.y[i])
         if between:
-            for t, value in self._extremes(sign, best[1]):
-                if value > best[1]:
-                    best = t, value
+            bound = self.high if sign > 0 else -self.low
+            rows = np.flatnonzero(bound > best[1])
+            for i in rows[np.argsort(-bound[rows])]:
+                if bound[i] <= best[1]:
+                    break
+                for piece in self._pieces(int(i)):
+                    for t in (0.0, piece.span, _crest(piece, sign)):
+                        if t is not None and sign * piece.value(t) > best[1]:
+                            best = piece.t + t, sign * piece.value(t)
         return best[0] * self.motion.dt, best[1]
 
     def first_reaches(self, sign: float, level: float, *, between: bool) -> float | None:
         """Return the first time in s at which sign * y is ``level`` or more; None if never."""
         reached = np.flatnonzero(sign * self.y >= level)
-        last = int(reached[0]) if reached.size else len(self.k) - 1
+        at_sample = int(reached[0]) if reached.size else len(self.k)
         if between:
-            for piece in self._pieces(range(last + 1)):
-                found = _enters(piece, sign, level)
-                if found is not None:
-                    return (piece.t + found) * self.motion.dt
-        return float(self.k[last]) * self.motion.dt if reached.size else None
+            bound = self.high if sign > 0 else -self.low
+            for i in np.flatnonzero(bound[:at_sample] >= level):
+                for piece in self._pieces(int(i)):
+                    found = _enters(piece, sign, level)
+                    if found is not None:
+                        return (piece.t + found) * self.motion.dt
+        return float(self.k[at_sample]) * self.motion.dt if reached.size else None
 
     def last_outside(self, final: float, band: float, *, between: bool) -> float | None:
-        """Return the time in s from which on |y - final| <= band."""
-        off = np.abs(self.y - final)
-        outside = np.flatnonzero(off > band)
+        """Return the time in s from which on |y - final| <= band; None if not by the horizon."""
+        outside = np.flatnonzero(np.abs(self.y - final) > band)
         first_in = int(outside[-1]) + 1 if outside.size else 0
         if first_in >= len(self.k):
             return None
-        if not between:
-            return float(self.k[first_in]) * self.motion.dt
-        return self._leaves(final, band, max(first_in - 1, 0)) * self.motion.dt
+        if between:
+            off = np.maximum(self.high - final, final - self.low)
+            for i in np.flatnonzero(off > band)[::-1]:
+                last = self._leaves(final, band, int(i))
+                if last is not None:
+                    return last * self.motion.dt
+        return float(self.k[first_in]) * self.motion.dt
 
-    def _leaves(self, final: float, band: float, known: int) -> float:
-        """Return the last instant outside the band, in samples; ``known`` is a row before it."""
-        last = 0.0
-        ahead = np.flatnonzero(np.abs(self.y[known:] - final) > 0.5 * band) + known
-        until = int(ahead[-1]) + 2 if ahead.size else known + 2
-        for piece in self._pieces(range(known, min(until, len(self.k)))):
-            for sign in (1.0, -1.0):
-                t = _exits(piece, sign, sign * final + band)
-                if t is not None:
-                    last = max(last, piece.t + t)
-        return last
+    def _leaves(self, final: float, band: float, row: int) -> float | None:
+        """Return the last instant of the row's sample outside the band, in samples."""
+        for piece in reversed(self._pieces(row)):
+            exits = [_exits(piece, sign, sign * final + band) for sign in (1.0, -1.0)]
+            found = [t for t in exits if t is not None]
+            if found:
+                return piece.t + max(found)
+        return None
 
-    def _extremes(self, sign: float, above: float) -> list[tuple[float, float]]:
-        """Return (t, sign * y) at the crests between samples that could exceed ``above``."""
-        found = []
-        for i in self._rows_near(sign, above):
-            for piece in self._pieces([i]):
-                for t in (0.0, piece.span, _crest(piece, sign)):
-                    if t is not None:
-                        found.append((piece.t + t, sign * piece.value(t)))
-        return found
-
-    def _rows_near(self, sign: float, above: float) -> Indices:
-        """Return the rows whose sample could hold a value above ``above`` by its tangents."""
-        fine = self._resolved()
-        if not fine.size:
-            return fine
-        bound = np.full(len(fine), -np.inf)
-        for segment in self.motion.segments:
-            value, slope = _rows(self.motion, segment)
-            v, s = sign * self.states[fine] @ value.T, sign * self.states[fine] @ slope.T
-            h = np.diff(segment.times)
-            # a crest between two points lies below both tangents where the curve is concave
-            left, right = v[:, :-1] + np.maximum(s[:, :-1], 0) * h, v[:, 1:] - np.minimum(s[:, 1:], 0) * h
-            rising = (s[:, :-1] > 0) & (s[:, 1:] < 0)
-            crest = np.where(rising, np.maximum(left, right), -np.inf)
-            bound = np.maximum(bound, np.maximum(crest.max(axis=1), v.max(axis=1)))
-        rows = fine[bound > above]
-        order = np.argsort(-bound[bound > above])
-        return rows[order[:40]]
-
-    def _resolved(self) -> Indices:
-        """Return the rows whose next sample is known too."""
-        return np.flatnonzero(np.diff(self.k, append=self.k[-1] + 1) == 1)
-
-    def _pieces(self, rows: "range | list[int] | Indices") -> "list[Piece]":
-        """Return the pieces of these rows' samples in order of time, those resolved."""
-        pieces = []
+    def _pieces(self, i: int) -> list[Piece]:
+        """Return the pieces of row i's sample in order of time; none where it is not known."""
         held = self.motion.held
-        if held is None:
+        if held is None or (i + 1 < len(self.k) and self.k[i + 1] != self.k[i] + 1):
             return []
-        fastest = float(np.abs(np.linalg.eigvals(held.a)).max(initial=0.0))
-        for i in rows:
-            if i + 1 < len(self.k) and self.k[i + 1] != self.k[i] + 1:
-                continue
-            for segment in self.motion.segments:
-                u = float(segment.input @ self.states[i])
-                for j, h in enumerate(np.diff(segment.times)):
-                    x = segment.states[j] @ self.states[i]
-                    t = float(self.k[i]) + segment.start + float(segment.times[j])
-                    pieces.append(_piece(self.motion, x, u, t, float(h), fastest * h > _WIDE))
+        pieces = []
+        for segment in self.motion.segments:
+            u = float(segment.input @ self.states[i])
+            for j, h in enumerate(np.diff(segment.times)):
+                x = segment.states[j] @ self.states[i]
+                t = float(self.k[i]) + segment.start + float(segment.times[j])
+                pieces.append(_piece(held, x, u, t, float(h)))
         return pieces
 
 
-def _piece(motion: Motion, x: Array, u: float, t: float, span: float, wide: bool) -> Piece:
-    held = motion.held
-    if held is None:
-        raise ValueError("a motion without a plant has no pieces")
+def _piece(held: Held, x: Array, u: float, t: float, span: float) -> Piece:
     c, d, a = held.c, held.d, held.a
 
     def force(state: Array) -> Array:
@@ -166,7 +138,7 @@ def _piece(motion: Motion, x: Array, u: float, t: float, span: float, wide: bool
             rate[-1] += u
         return np.asarray(rate)
 
-    if wide:
+    if held.fastest * span > _WIDE:
 
         def state(s: float) -> Array:
             delta, gamma = held.move(Decimal(s))
@@ -227,11 +199,34 @@ def _exits(piece: Piece, sign: float, level: float) -> float | None:
     return None
 
 
-def _rows(motion: Motion, segment: Segment) -> tuple[Array, Array]:
-    """Return the output and its slope at the segment's times, as rows on Z: two (K, N)."""
+def _bounds(motion: Motion, k: Indices, states: Array, y: Array) -> tuple[Array, Array]:
+    """Return (low, high), bounds of y between each sample and the next.
+
+    Where y is known at fractions of a sample, a crest between two of them lies below both
+    tangents; where the next sample was left out, only the sample itself is known.
+    """
+    low, high = y.copy(), y.copy()
     held = motion.held
     if held is None:
-        raise ValueError("a motion without a plant has no rows")
+        return low, high
+    fine = np.flatnonzero(np.diff(k, append=k[-1] + 1) == 1)
+    for begin in range(0, len(fine), _CHUNK):
+        rows = fine[begin : begin + _CHUNK]
+        for segment in motion.segments:
+            value, slope = _maps(held, segment)
+            v, s, h = states[rows] @ value.T, states[rows] @ slope.T, np.diff(segment.times)
+            for sign, bound in ((1.0, high), (-1.0, low)):
+                top, rate = sign * v, sign * s
+                turns = (rate[:, :-1] > 0) & (rate[:, 1:] < 0)
+                tangents = np.maximum(top[:, :-1] + rate[:, :-1] * h, top[:, 1:] - rate[:, 1:] * h)
+                best = np.where(turns, tangents, top[:, 1:]).max(axis=1)
+                best = np.maximum(best, top[:, 0])
+                bound[rows] = sign * np.maximum(sign * bound[rows], best)
+    return low, high
+
+
+def _maps(held: Held, segment: Segment) -> tuple[Array, Array]:
+    """Return the output and its slope at the segment's times, as rows on Z: two (K, N)."""
     value = held.c @ segment.states + held.d * segment.input
     slope = (held.c @ held.a) @ segment.states
     if len(held.c):
@@ -260,9 +255,7 @@ def _stretches(k: Indices, y: Array) -> list[int]:
     return sorted(wanted & set(coarse.tolist()))
 
 
-def _filled(
-    motion: Motion, k: Indices, states: Array, rows: list[int]
-) -> tuple[Indices, Array]:
+def _filled(motion: Motion, k: Indices, states: Array, rows: list[int]) -> tuple[Indices, Array]:
     """Return (k, states) with every sample present after each of these rows."""
     ks, zs, at = [], [], 0
     for i in rows:

@@ -10,6 +10,7 @@ from zoh.app.claims import Finding, check
 from zoh.app.project import GIVEN, Given, Project, Request
 from zoh.app.toml import within
 from zoh.errors import Infeasible, NotMet, SpecError
+from zoh.lti.hidden import hidden_modes
 from zoh.pipeline import design
 from zoh.sampling.hold import sample
 
@@ -128,11 +129,24 @@ def to_dict(project: Project, entries: Sequence[Entry]) -> dict[str, Any]:
     }
 
 
+def hidden_instability(project: Project) -> str | None:
+    """Return a line on the modes that keep every loop of this plant unstable, None without any."""
+    modes = [s for s in hidden_modes(project.plant).tolist() if s.real >= 0]
+    if not modes:
+        return None
+    listed = ", ".join(f"{s.real:.6g}" if s.imag == 0 else f"{s:.6g}" for s in modes)
+    return (
+        f"the plant hides an unstable mode at s = {listed} (num and den share it): no controller "
+        "reaches it, so no loop is stable; cancel it only if the machine does not have it"
+    )
+
+
 def warnings(project: Project, entries: Sequence[Entry]) -> tuple[str, ...]:
-    """Return what the linear numbers do not show: an actuator that cannot give what is asked."""
+    """Return what the numbers do not show: hidden modes, an actuator asked for too much."""
     ends = [abs(x) for x in (project.actuator.low, project.actuator.high) if x is not None]
     unit = f" {project.input_unit}" if project.input_unit else ""
-    said = []
+    hidden = hidden_instability(project)
+    said = [] if hidden is None else [hidden]
     for entry in entries:
         step = None if entry.measured is None else entry.measured.step
         if ends and step is not None and (step.peak_effort or 0.0) > max(ends):

@@ -78,7 +78,7 @@ def roots(a: Sequence[float]) -> npt.NDArray[np.complex128]:
     matrix is formed: the eigenvalue error is relative to the largest root, and this brings the
     roots of a badly scaled polynomial together.
 
-    >>> sorted(roots((1.0, -3.0, 2.0, 0.0)).real.tolist())
+    >>> [round(r, 12) for r in sorted(roots((1.0, -3.0, 2.0, 0.0)).real.tolist())]
     [0.0, 1.0, 2.0]
     """
     a = trim(a)

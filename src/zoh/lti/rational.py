@@ -49,7 +49,7 @@ class Rational:
                 "must not add terms with different delays",
                 "exp() is a factor of the whole formula; a sum of delays is no rational plant",
             )
-        shared = _common(self.den, other.den)
+        shared = common(self.den, other.den)
         mine, others = _divided(other.den, shared), _divided(self.den, shared)
         num = _sum(_product(self.num, mine), _product(other.num, others), sign)
         return _value(num, _product(self.den, mine), self.delay)
@@ -116,8 +116,14 @@ def _sum(a: Coefficients, b: Coefficients, sign: int) -> Coefficients:
     return _trimmed([x + sign * y for x, y in zip(left, right, strict=True)])
 
 
-def _common(a: Coefficients, b: Coefficients) -> Coefficients:
-    """Return the greatest common divisor by Euclid's algorithm, with the first one's scale."""
+def common(a: Coefficients, b: Coefficients) -> Coefficients:
+    """Return the greatest common divisor by Euclid's algorithm, with the first one's scale.
+
+    Raises Unreadable where the digits outgrow their limit.
+
+    >>> common((Fraction(2), Fraction(2)), (Fraction(1), Fraction(0), Fraction(-1)))
+    (Fraction(2, 1), Fraction(2, 1))
+    """
     lead = a[0]
     while any(b):
         a, b = b, _divmod(a, b)[1]

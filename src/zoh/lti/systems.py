@@ -31,7 +31,7 @@ class Plant:
     Raises SpecError for an improper, empty or zero fraction.
 
     >>> Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180).at(1.0)
-    (-0.0952...-0.1219...j)
+    (-0.095249...-0.074380...j)
     """
 
     num: Poly
@@ -292,7 +292,9 @@ def _check_fraction(num: Poly, den: Poly, variable: str) -> None:
     if not any(den):
         raise SpecError("den", "must not be all zeros", list(den), "give at least one coefficient")
     if not any(num):
-        raise SpecError("num", "must not be all zeros", list(num), "a plant that does nothing has no loop")
+        raise SpecError(
+            "num", "must not be all zeros", list(num), "a plant that does nothing has no loop"
+        )
     if len(num) > len(den):
         reason = "proper" if variable == "s" else "causal"
         raise SpecError(
@@ -330,7 +332,9 @@ def _checked_state_space(
         try:
             array = np.asarray(value, float)
         except (TypeError, ValueError):
-            raise SpecError(name, "must be a matrix of numbers", value, "give a list of rows") from None
+            raise SpecError(
+                name, "must be a matrix of numbers", value, "give a list of rows"
+            ) from None
         if not np.isfinite(array).all():
             raise SpecError(name, "must be finite", value, "remove the NaN or infinity")
         arrays.append(array)
@@ -347,5 +351,3 @@ def _checked_state_space(
             )
     b_c = [x.ravel().tolist() for x in arrays[1:3]]
     return matrix.tolist(), b_c[0], b_c[1], float(arrays[3].ravel()[0])
-
-

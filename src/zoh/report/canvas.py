@@ -7,15 +7,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from io import BytesIO, StringIO
 
-from zoh.errors import ZohError
-
 try:
     import matplotlib
     from matplotlib.axes import Axes
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 except ModuleNotFoundError as absent:
-    raise ZohError('figures need matplotlib: pip install "zoh[plot]"') from absent
+    way_out = 'figures need matplotlib: pip install "zoh[plot]"'
+    raise ModuleNotFoundError(way_out, name=absent.name) from absent
 
 INK, SOFT, FAINT = "#1a1a1a", "#6b6b6b", "#d9d9d9"
 

@@ -68,7 +68,7 @@ def _figures(results: Sequence[Measured]) -> tuple[str, Files]:
         add("step", "Step responses", fig.steps(shown, reference=ref, title="Step responses"))
         short = [response(d, t_end=end / 3) for d in stable]
         add("effort", "Control effort", fig.efforts(short, title="Control effort"))
-    add("nyquist", "Nyquist plots", fig.nyquist(results, title="Distance from −1"))
+    add("nyquist", "Nyquist plots", fig.nyquist(results, title="Distance from -1"))
     for d in results:
         name = slug(d.name, taken)
         taken.add(name)
@@ -83,16 +83,24 @@ def _figures(results: Sequence[Measured]) -> tuple[str, Files]:
     return "\n".join(text), files
 
 
-def response(d: Measured, *, t_end: float, per_sample: int = 20) -> fig.Response:
-    """Return the step response of a measured design, ready to draw."""
+def response(
+    d: Measured,
+    *,
+    t_end: float,
+    per_sample: int = 20,
+    reference: float | None = None,
+    name: str | None = None,
+) -> fig.Response:
+    """Return the step response of a measured loop, ready to draw.
+
+    ``reference`` and ``name`` stand in for the design's own where given.
+    """
     found = trace(
         d.plant,
         d.controller,
         compute_delay=d.compute_delay,
-        reference=d.reference,
+        reference=d.reference if reference is None else reference,
         t_end=t_end,
         per_sample=per_sample,
     )
-    return fig.Response(name=d.name, law=d.law, trace=found)
-
-
+    return fig.Response(name=d.name if name is None else name, law=d.law, trace=found)

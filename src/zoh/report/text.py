@@ -8,7 +8,7 @@ from zoh.analysis.verify import Measured
 from zoh.lti.poly import trim
 from zoh.lti.systems import Sampled
 
-NOTHING = "–"  # a quantity that does not exist
+NOTHING = "-"  # a quantity that does not exist
 
 
 def design_table(results: Sequence[Measured]) -> str:
@@ -34,7 +34,7 @@ def in_z(system: Sampled, digits: int = 6) -> str:
     """Return D(z) as text.
 
     >>> in_z(Sampled(num=[5.839, -5.823], den=[1, -1], dt=0.1))
-    '(5.839 z − 5.823)/(z − 1)'
+    '(5.839 z - 5.823)/(z - 1)'
     """
     return _fraction(system.num, system.den, "z", digits)
 
@@ -54,14 +54,14 @@ def number(value: float | None, digits: int = 4) -> str:
     """Return a value for a person to read: no more digits than asked, infinity as ∞.
 
     >>> number(2.88961, 3), number(inf), number(None), number(-1e-17)
-    ('2.89', '∞', '–', '0')
+    ('2.89', '∞', '-', '0')
     """
     if value is None:
         return NOTHING
     if value == inf:
         return "∞"
     text = f"{0.0 if abs(value) < 1e-12 else value:.{digits}g}"  # rounding of a zero
-    return text.replace("-", "−")
+    return text
 
 
 def cell(text: str) -> str:
@@ -135,6 +135,6 @@ def _polynomial(a: Sequence[float], variable: str, digits: int) -> str:
         size = number(abs(c), digits)
         name = {0: "", 1: variable}.get(power, f"{variable}^{power}")
         term = name if name and size == "1" else f"{size} {name}".strip()
-        sign = "−" if c < 0 else "+"
-        out += f" {sign} {term}" if out else (f"−{term}" if c < 0 else term)
+        sign = "-" if c < 0 else "+"
+        out += f" {sign} {term}" if out else (f"-{term}" if c < 0 else term)
     return out or "0"

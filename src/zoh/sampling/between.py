@@ -27,11 +27,13 @@ class Held:
 
     a  shape (n, n), dx/dt in units of the sample time; input enters the last state with gain 1
     c  shape (n,); d  direct gain
+    fastest  size of the fastest pole in rad per sample
     """
 
     a: Array
     c: Array
     d: float
+    fastest: float
     response: StepResponse
     digits: int
 
@@ -45,13 +47,21 @@ class Held:
             n = response.order
             den_ascending = response.modulus[1:]  # s den(s) without its lowest, which is 0
             top = [Decimal(0)] * (n + 1 - len(num)) + list(num)
-            scaled = [Decimal(plant.sensor) * c / den[0] * Decimal(dt) ** i for i, c in enumerate(top)]
+            gain, unit = Decimal(plant.sensor) / den[0], Decimal(dt)
+            scaled = [gain * c * unit**i for i, c in enumerate(top)]
             d = scaled[0]
             c = [b - d * a for a, b in zip(den_ascending, scaled[:0:-1], strict=True)]
         a = np.eye(n, k=1)
         if n:
             a[-1] = [-float(x) for x in den_ascending]
-        return cls(a=a, c=np.array([float(x) for x in c]), d=float(d), response=response, digits=needed)
+        return cls(
+            a=a,
+            c=np.array([float(x) for x in c]),
+            d=float(d),
+            fastest=float(np.abs(plant.poles()).max(initial=0.0)) * dt,
+            response=response,
+            digits=needed,
+        )
 
     def move(self, t: float | Decimal) -> tuple[Array, Array]:
         """Return (Phi(t) - I, Gamma(t)) for a fraction t of a sample, each entry to a float."""
@@ -64,7 +74,8 @@ class Held:
             for i in range(n):
                 top = element[n]
                 gamma[i] = float(top)
-                row = [e - top * m for e, m in zip(element[:n], self.response.modulus[1:], strict=True)]
+                lower = self.response.modulus[1:]
+                row = [e - top * m for e, m in zip(element[:n], lower, strict=True)]
                 row[i] -= 1
                 delta[i] = [float(e) for e in row]
                 element = self.response.times_sigma(element)

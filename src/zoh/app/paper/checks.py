@@ -5,10 +5,10 @@ list of coefficients that also keeps what it stands for, is reproduced; what doe
 takes verdict and sentence from the finding that explains it, and where there is none says so.
 """
 
+from cmath import phase
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import degrees
-from cmath import phase
 
 from zoh.app.paper import findings, table
 from zoh.app.paper.findings import Finding
@@ -75,7 +75,10 @@ def verdict(number: Printed, again: Value, *, agrees: bool, known: Finding | Non
     elif known:
         word, why = known.verdict, known.sentence
     else:
-        word, why = UNEXPLAINED, f"Printed is {number.text}, the plant gives {again}: not explained."
+        word, why = (
+            UNEXPLAINED,
+            f"Printed is {number.text}, the plant gives {again}: not explained.",
+        )
     return Check(
         id=number.id,
         place=number.place,

@@ -1,9 +1,9 @@
 """What does not agree, and why: one sentence each, its numbers taken from the study."""
 
+from cmath import phase
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import degrees
-from cmath import phase
 
 from zoh.app.paper import table
 from zoh.app.paper.printed import LAWS, MARGIN_ASKED_DEG, METRICS, value

@@ -1,0 +1,209 @@
+"""The command line: arguments in, tables or JSON out, an exit code that a script can trust.
+
+0  everything asked for is met          2  bad input: one line that says what and how to mend it
+1  a specification cannot be met, is not met, or a claim is wrong
+"""
+
+import json
+import os
+import sys
+from argparse import ArgumentParser, Namespace
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NoReturn
+
+import zoh
+from zoh.app import files
+from zoh.app.commands import Entry, check_all, design_all, hidden_instability, to_dict, warnings
+from zoh.app.project import Project, read
+from zoh.errors import Infeasible, NotMet, SpecError, ZohError
+
+MET, NOT_MET, BAD_INPUT = 0, 1, 2
+DEFECT = 70  # EX_SOFTWARE: neither the input nor the specification is to blame
+INTERRUPTED, PIPE_CLOSED = 130, 141  # 128 + SIGINT, 128 + SIGPIPE: what a shell expects
+
+
+class _Parser(ArgumentParser):
+    """argparse, but an error is one line, as all of zoh's are."""
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong in one line and exit with 2."""
+        self.exit(BAD_INPUT, f"zoh: error: {_one_line(message)}: see {self.prog} --help\n")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code; no traceback, whatever comes in."""
+    arguments = _parser().parse_args(argv)
+    try:
+        code: int = arguments.run(arguments)
+        sys.stdout.flush()  # a reader that left is noticed here, not at exit
+    except BrokenPipeError:
+        _abandon_stdout()
+        return PIPE_CLOSED
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except (Infeasible, NotMet) as e:
+        return _fail(NOT_MET, str(e))
+    except ZohError as e:
+        return _fail(BAD_INPUT, str(e))
+    except MemoryError:
+        return _fail(BAD_INPUT, "this needs more memory than there is: ask for less at once")
+    except OSError as e:
+        return _fail(BAD_INPUT, f"{e.filename or 'output'}: {(e.strerror or str(e)).lower()}")
+    except Exception as e:  # the last line of defence: a defect is not the user's bad input
+        if os.environ.get("ZOH_DEBUG"):
+            raise
+        hint = "please report it; ZOH_DEBUG=1 shows where"
+        return _fail(DEFECT, f"a defect of zoh, {type(e).__name__}: {e}: {hint}")
+    return code
+
+
+def _parser() -> ArgumentParser:
+    parser = _Parser(
+        prog="zoh",
+        description="Digital controllers that provably meet their specification.",
+        epilog="exit codes: 0 all met, 1 not met or impossible, 2 bad input",
+        allow_abbrev=False,
+    )
+    parser.add_argument("--version", action="version", version=f"zoh {zoh.__version__}")
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    paper = commands.add_parser(
+        "paper",
+        help="the robot arm of the paper, every printed number beside the recomputed one",
+        allow_abbrev=False,
+    )
+    paper.set_defaults(run=_paper)
+    design = commands.add_parser(
+        "design", help="design, verify and compare the controllers of a file", allow_abbrev=False
+    )
+    design.set_defaults(run=_design)
+    check = commands.add_parser(
+        "check",
+        help="measure given controllers against requirements and claims",
+        allow_abbrev=False,
+    )
+    check.set_defaults(run=_check)
+    for command in (design, check):
+        command.add_argument("file", metavar="FILE", help="a project file (TOML)")
+    for command in (paper, design):
+        command.add_argument("--out", metavar="DIR", help="write a report with figures there")
+        command.add_argument("--force", action="store_true", help="let --out replace files")
+    for command in (paper, design, check):
+        command.add_argument("--json", action="store_true", help="print one JSON object")
+    return parser
+
+
+def _design(arguments: Namespace) -> int:
+    project = read(files.read_text(arguments.file))
+    entries = design_all(project)
+    result = to_dict(project, entries)
+    if arguments.out is not None:
+        report = _comparison(entries)
+        _write(arguments, {"design.json": _json(result), **report})
+    _show(arguments, project, entries, result)
+    return _verdict(project, entries)
+
+
+def _check(arguments: Namespace) -> int:
+    project = read(files.read_text(arguments.file))
+    entries = check_all(project)
+    _show(arguments, project, entries, to_dict(project, entries))
+    return _verdict(project, entries)
+
+
+def _paper(arguments: Namespace) -> int:
+    from zoh.app import paper
+
+    result = paper.run()
+    if arguments.out is not None:
+        report = _with_matplotlib(lambda: paper.report(result))
+        _write(arguments, {"paper.json": _json(result), **report})
+    if arguments.json:
+        print(_json(result), end="")
+    else:
+        _console().print(paper.summary(result))
+    return MET
+
+
+def _comparison(entries: Sequence[Entry]) -> Mapping[str, str | bytes]:
+    def report() -> Mapping[str, str | bytes]:
+        from zoh.report.document import comparison
+
+        return comparison(
+            [e.measured for e in entries if e.measured is not None],
+            refused=[(e.name, e.refusal) for e in entries if e.refusal is not None],
+        )
+
+    return _with_matplotlib(report)
+
+
+def _with_matplotlib(
+    draw: Callable[[], Mapping[str, str | bytes]],
+) -> Mapping[str, str | bytes]:
+    try:
+        return draw()
+    except ModuleNotFoundError as e:
+        if (e.name or "").split(".")[0] != "matplotlib":
+            raise
+        way_out = "pip install 'zoh[plot]' brings it"
+        raise SpecError("--out", "must have matplotlib for its figures", "none", way_out) from None
+
+
+def _write(arguments: Namespace, report: Mapping[str, str | bytes]) -> None:
+    files.write_all(arguments.out, report, force=arguments.force)
+    print(f"zoh: wrote {len(report)} files to {arguments.out}", file=sys.stderr)
+
+
+def _show(
+    arguments: Namespace, project: Project, entries: Sequence[Entry], result: Mapping[str, Any]
+) -> None:
+    if arguments.json:
+        print(_json(result), end="")
+        return
+    from zoh.app.tables import show
+
+    show(_console(), entries, warnings(project, entries))
+
+
+def _verdict(project: Project, entries: Sequence[Entry]) -> int:
+    """Return the exit code; what fails is named in one line, in full where it is one."""
+    failing = [e for e in entries if e.failure is not None]
+    if not failing:
+        return MET
+    named = [f"{e.name}: {e.failure}" if len(failing) == 1 else e.name for e in failing]
+    hidden = hidden_instability(project)
+    parts = [f"{len(failing)} of {len(entries)} controllers fail: {', '.join(named)}", hidden]
+    return _fail(NOT_MET, "; ".join(part for part in parts if part))
+
+
+def _console() -> Any:
+    from rich.console import Console
+
+    # a pipe has no width of its own, and a terminal that cannot show a sign gets a "?"
+    if hasattr(sys.stdout, "reconfigure"):
+        sys.stdout.reconfigure(errors="replace")
+    return Console(file=sys.stdout, highlight=False, markup=False, emoji=False)
+
+
+def _json(value: Mapping[str, Any]) -> str:
+    return json.dumps(value, indent=2, allow_nan=False) + "\n"
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())
+
+
+def _fail(code: int, message: str) -> int:
+    print(f"zoh: error: {_one_line(message)}", file=sys.stderr)
+    return code
+
+
+def _abandon_stdout() -> None:
+    """Let Python's last flush go nowhere: the reader has left (docs.python.org, SIGPIPE)."""
+    try:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except (OSError, ValueError):  # a stdout without a file descriptor needs no care
+        return
+
+
+if __name__ == "__main__":
+    sys.exit(main())

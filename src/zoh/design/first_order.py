@@ -1,0 +1,115 @@
+"""Lag and lead: one section, two signs, solved exactly at one crossover.
+
+    D(w) = a0 (1 + w/w0)/(1 + w/wp)          lead: w0 < wp, lag: wp < w0
+
+a0, the gain at w = 0, is given; the two corners follow from the complex equation at wc.
+Source: C. L. Phillips and H. T. Nagle, Digital Control System Analysis and Design, the section
+on phase-lead design at a given phase-margin frequency; the same equations with sin(theta) < 0
+give a lag, which the textbook rule (w0 = wc/10) only approximates.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import acos, cos, sin
+
+from zoh.design.target import Phases, Target, refusal
+from zoh.lti.systems import Sampled
+from zoh.spec import Crossover
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FirstOrder:
+    """dc_gain in u/y; w0, wp: zero and pole at w = -w0, -wp in rad/s (w-plane); dt in s."""
+
+    dc_gain: float
+    w0: float
+    wp: float
+    dt: float
+
+    @property
+    def gains(self) -> Mapping[str, float]:
+        """Return the gains by name."""
+        return {"dc_gain": self.dc_gain, "w0": self.w0, "wp": self.wp}
+
+    def controller(self) -> Sampled:
+        """Return dc_gain (1 + w/w0)/(1 + w/wp)."""
+        return Sampled.from_w(
+            num_w=(self.dc_gain * self.wp / self.w0, self.dc_gain * self.wp),
+            den_w=(1.0, self.wp),
+            dt=self.dt,
+        )
+
+
+def lead_phases(target: Target, dc_gain: float) -> Phases:
+    """Return the phases a lead can give: 0 to acos(a0 |G|); none where a0 |G| >= 1.
+
+    A lead's gain only rises, so at wc it must be above a0.
+    """
+    ratio = dc_gain * target.size
+    return (0.0, acos(ratio)) if ratio < 1 else None
+
+
+def lag_phases(target: Target, dc_gain: float) -> Phases:
+    """Return the phases a lag can give: -acos(1/(a0 |G|)) to 0; none where a0 |G| <= 1.
+
+    A lag's gain only falls, so at wc it must be below a0.
+    """
+    ratio = dc_gain * target.size
+    return (-acos(1 / ratio), 0.0) if ratio > 1 else None
+
+
+def lead(plant: Sampled, spec: Crossover, dc_gain: float) -> FirstOrder:
+    """Return the lead of this gain at w = 0 whose loop crosses 1 at wc with the margin asked.
+
+    With v, |G| and theta of ``Target``::
+
+        1/w0 = (1/(a0 |G|) - cos(theta))/(v sin(theta))
+        1/wp = (cos(theta) - a0 |G|)/(v sin(theta))
+
+    Raises Infeasible unless 0 < theta < acos(a0 |G|).
+
+    >>> from math import pi
+    >>> plant = Sampled(num=(1.0,), den=(1.0, -1.0), dt=1.0)
+    >>> lead(plant, Crossover(wc=pi / 2, pm_deg=75), dc_gain=1.0)  # theta = 30 deg
+    FirstOrder(dc_gain=1.0, w0=1.824191..., wp=6.292528..., dt=1.0)
+    """
+    target = Target.of(plant, spec)
+    able = lead_phases(target, dc_gain)
+    if not target.inside(able):
+        raise refusal("a lead", _able("raises", dc_gain, able), target, spec, able)
+    return _corners(target, dc_gain)
+
+
+def lag(plant: Sampled, spec: Crossover, dc_gain: float) -> FirstOrder:
+    """Return the lag of this gain at w = 0 whose loop crosses 1 at wc with the margin asked.
+
+    The equations are the lead's. Raises Infeasible unless -acos(1/(a0 |G|)) < theta < 0.
+
+    >>> from math import pi
+    >>> plant = Sampled(num=(1.0,), den=(1.0, -1.0), dt=1.0)
+    >>> lag(plant, Crossover(wc=pi / 2, pm_deg=30), dc_gain=5.0)  # theta = -15 deg
+    FirstOrder(dc_gain=5.0, w0=0.757796..., wp=0.201446..., dt=1.0)
+    """
+    target = Target.of(plant, spec)
+    able = lag_phases(target, dc_gain)
+    if not target.inside(able):
+        raise refusal("a lag", _able("lowers", dc_gain, able), target, spec, able)
+    return _corners(target, dc_gain)
+
+
+def _able(verb: str, dc_gain: float, able: Phases) -> str:
+    if able is not None:
+        return f"with dc_gain {dc_gain:g} {verb} the phase by too little"
+    side = "above" if verb == "raises" else "below"
+    sign = "raises" if verb == "raises" else "lowers"
+    return f"{sign} the phase and has a gain {side} its dc_gain {dc_gain:g} everywhere"
+
+
+def _corners(target: Target, dc_gain: float) -> FirstOrder:
+    ratio, turn = dc_gain * target.size, target.v * sin(target.theta)
+    return FirstOrder(
+        dc_gain=dc_gain,
+        w0=turn / (1 / ratio - cos(target.theta)),
+        wp=turn / (cos(target.theta) - ratio),
+        dt=target.dt,
+    )

@@ -1,0 +1,86 @@
+"""P controllers, D = kp: one degree of freedom, so wc or the margin, not both.
+
+Where the plant's own phase is pm - 180 deg the gain is 1/|G|; the fastest such crossover comes
+first.
+Source: K. J. Astrom and R. M. Murray, Feedback Systems, 2nd ed., sec. 10.3 (the phase margin
+read off the open loop).
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import pi, radians, remainder, tau
+
+import numpy as np
+
+from zoh.design.target import Phases, Target, refusal
+from zoh.lti.systems import Sampled
+from zoh.spec import Crossover
+
+_SAME = 1e-12  # rad; a phase this near to the one asked for is that one
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class P:
+    """kp in u/y; dt in s."""
+
+    kp: float
+    dt: float
+
+    @property
+    def gains(self) -> Mapping[str, float]:
+        """Return the gains by name."""
+        return {"kp": self.kp}
+
+    def controller(self) -> Sampled:
+        """Return the same controller in z and in w."""
+        return Sampled(num=(self.kp,), den=(1.0,), dt=self.dt)
+
+
+def phases(target: Target) -> Phases:
+    """Return the phases that a P can give: 0."""
+    return -_SAME, _SAME
+
+
+def solve(plant: Sampled, spec: Crossover) -> P:
+    """Return kp = 1/|G(wc)|; raise Infeasible unless the plant alone has the margin there.
+
+    >>> plant = Sampled(num=(1.0,), den=(1.0, -1.0), dt=1.0)
+    >>> solve(plant, Crossover(wc=pi / 2, pm_deg=45))  # |G| = 1/sqrt(2), arg G = -135 deg
+    P(kp=1.414213..., dt=1.0)
+    """
+    target = Target.of(plant, spec)
+    if not target.inside(phases(target)):
+        raise refusal("a P", "turns the phase by nothing", target, spec, phases(target))
+    return P(kp=1 / target.size, dt=plant.dt)
+
+
+def crossovers(plant: Sampled, pm_deg: float) -> list[float]:
+    """Return every wc in rad/s at which the plant alone has this margin, fastest first.
+
+    >>> plant = Sampled(num=(1.0,), den=(1.0, -1.0), dt=1.0)
+    >>> crossovers(plant, 45.0)  # arg G = -90 deg - wc/2
+    [1.570796...]
+    """
+
+    def off(wc: float) -> float:
+        g = plant.at(wc)
+        return remainder(float(np.angle(g)) - radians(pm_deg - 180), tau)
+
+    top = pi / plant.dt
+    grid = np.unique(np.concatenate([np.geomspace(1e-7, 0.1, 400), np.linspace(0.1, 1, 2000)[:-1]]))
+    wc = grid * top
+    value = np.remainder(np.angle(plant.at(wc)) - radians(pm_deg - 180) + pi, tau) - pi
+    # a jump of the wrapped angle from +pi to -pi is no root
+    flips = np.flatnonzero((value[1:] * value[:-1] <= 0) & (np.abs(value[1:] - value[:-1]) < pi))
+    return sorted((_root(off, float(wc[i]), float(wc[i + 1])) for i in flips), reverse=True)
+
+
+def _root(off: Callable[[float], float], a: float, b: float) -> float:
+    """Return where ``off`` changes sign in [a, b], by halving to the last bit."""
+    rising = off(b) > 0
+    while a < (middle := (a + b) / 2) < b:
+        if (off(middle) > 0) == rising:
+            b = middle
+        else:
+            a = middle
+    return b

@@ -1,0 +1,307 @@
+"""margins finds every crossing, and puts each number where exact arithmetic puts it."""
+
+import json
+from fractions import Fraction
+from math import degrees, inf, pi, radians, sqrt, tau
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from zoh.analysis.margins import margins
+from zoh.errors import SpecError
+from zoh.lti.systems import Plant, Sampled
+from zoh.sampling.hold import sample
+
+CASES = json.loads((Path(__file__).parents[1] / "oracles" / "margins.json").read_text())
+REL, DEG = 1e-9, 1e-9
+
+
+def loop_of(case):
+    if case["form"] == "s":
+        return Plant(num=case["num"], den=case["den"], dead_time=case.get("dead_time", 0.0))
+    if case["form"] == "z":
+        return Sampled(num=case["num"], den=case["den"], dt=case["dt"])
+    if case["form"] == "w":
+        return Sampled.from_w(
+            num_w=case["num_w"], den_w=case["den_w"], dt=case["dt"], delay=case["delay"]
+        )
+    num, den, dead_time, sensor = case["plant"]
+    plant = Plant(num=num, den=den, dead_time=dead_time, sensor=sensor)
+    num_w, den_w = case["controller_w"]
+    controller = Sampled.from_w(num_w=num_w, den_w=den_w, dt=case["dt"])
+    return controller * sample(plant, case["dt"])
+
+
+@pytest.fixture(scope="module", params=CASES, ids=lambda c: f"{c['form']}: {c['name']}")
+def measured(request):
+    """Return (margins, truth)."""
+    return margins(loop_of(request.param)), request.param["truth"]
+
+
+def number(text, absent):
+    return absent if text is None else float(text)
+
+
+def pairs(found):
+    return [(float(w), float(x)) for w, x in found]
+
+
+def test_stability_is_that_of_the_poles(measured):
+    got, truth = measured
+    assert got.stable is truth["stable"]
+
+
+def test_every_gain_crossing_is_found(measured):
+    got, truth = measured
+    wanted = pairs(truth["gain_crossings"])
+    assert len(got.gain_crossings) == len(wanted)
+    for (w, pm), (w0, pm0) in zip(got.gain_crossings, wanted, strict=True):
+        assert w == pytest.approx(w0, rel=REL)
+        assert pm == pytest.approx(pm0, abs=DEG)
+
+
+def test_every_phase_crossing_is_found(measured):
+    got, truth = measured
+    wanted, limit = pairs(truth["phase_crossings"]), truth.get("limit", inf)
+    found = [c for c in got.phase_crossings if c[0] < limit]
+    assert len(found) == len(wanted)
+    for (w, k), (w0, k0) in zip(found, wanted, strict=True):
+        assert w == pytest.approx(w0, rel=REL)
+        assert k == pytest.approx(k0, rel=REL)
+
+
+def test_the_margins_are_the_nearest_crossings(measured):
+    got, truth = measured
+    assert got.gain_margin == pytest.approx(number(truth["gain_margin"], inf), rel=REL)
+    assert got.phase_margin_deg == pytest.approx(number(truth["phase_margin_deg"], inf), abs=DEG)
+    assert got.delay_margin == pytest.approx(number(truth["delay_margin"], inf), rel=REL)
+    for mine, theirs in (
+        (got.phase_crossover, truth["phase_crossover"]),
+        (got.crossover, truth["crossover"]),
+    ):
+        wanted = number(theirs, None)
+        assert mine is None if wanted is None else mine == pytest.approx(wanted, rel=REL)
+
+
+def test_the_peaks_are_the_peaks(measured):
+    got, truth = measured
+    assert got.modulus_margin == pytest.approx(float(truth["modulus_margin"]), rel=REL)
+    assert got.ms == pytest.approx(1 / float(truth["modulus_margin"]), rel=REL)
+    assert got.mt == pytest.approx(float(truth["mt"]), rel=REL)
+    assert got.disk_margin == pytest.approx(float(truth["disk_margin"]), rel=REL)
+
+
+# Worked by hand.
+#   0.1/(z-0.9): real at z = -1, -0.1/1.9; one may multiply it by 19
+#   1/(z-0.5):   -1/1.5 at z = -1.  |z - 0.5|^2 = 1.25 - cos = 1 at cos(w) = 1/4
+#   1/(z-1):     at cos(w) = 1/2, w = pi/3, 1/(exp(jw)-1) = 1/exp(j 2pi/3): margin 60 deg
+#   1/(s(s+1)(s+2)): phase -180 at w = sqrt(2), gain 1/6
+#   10/(s+1)^3:  -180 deg at w = sqrt(3), gain 10/8; |L| = 1 at w^2 = 10^(2/3) - 1
+#   exp(-0.1 s)/s: crosses at 1 with 90 deg - 0.1 rad; -180 deg at w 0.1 = pi/2
+W = sqrt(10 ** (2 / 3) - 1)
+BY_HAND = [
+    # loop, stable, gain margin, at, phase margin in deg, at
+    (Sampled(num=[0.1], den=[1, -0.9], dt=0.1), True, 19, pi / 0.1, None, None),
+    (Sampled(num=[1], den=[1, -0.5], dt=1.0), True, 1.5, pi, None, np.arccos(0.25)),
+    (Sampled(num=[2], den=[1, -0.5], dt=1.0), False, 0.75, pi, None, None),
+    (Sampled(num=[1], den=[1, -1], dt=1.0), True, 2, pi, 60, pi / 3),
+    (Sampled(num=[-0.5], den=[1, 0.0], dt=1.0), True, 2, 0.0, inf, None),
+    (Plant(num=[1], den=[1, 3, 2, 0]), True, 6, sqrt(2), None, None),
+    (Plant(num=[10], den=[1, 3, 3, 1]), False, 0.8, sqrt(3), 180 - 3 * degrees(np.arctan(W)), W),
+    (Plant(num=[1], den=[1, 0], dead_time=0.1), True, 5 * pi, 5 * pi, 90 - degrees(0.1), 1),
+    (Plant(num=[1], den=[1, 0]), True, inf, None, 90, 1),
+    (Plant(num=[2], den=[1, -1]), True, 0.5, 0.0, 60, sqrt(3)),
+    (Plant(num=[0.5], den=[1]), True, inf, None, inf, None),
+]
+
+
+@pytest.mark.parametrize(("loop", "stable", "gm", "wpc", "pm_deg", "wc"), BY_HAND)
+def test_matches_hand_worked_margins(loop, stable, gm, wpc, pm_deg, wc):
+    got = margins(loop)
+    assert got.stable is stable
+    assert got.gain_margin == pytest.approx(gm, rel=1e-14)
+    assert got.phase_crossover == (None if wpc is None else pytest.approx(wpc, rel=1e-14))
+    if pm_deg is not None:
+        assert got.phase_margin_deg == pytest.approx(pm_deg, abs=1e-12)
+        assert got.crossover == (None if wc is None else pytest.approx(wc, rel=1e-14))
+
+
+def test_a_loop_touching_one_where_it_starts_is_no_crossing_lost():
+    got = margins(Sampled(num=[0.5], den=[1, -0.5], dt=1.0))  # L(z = 1) = 1 exactly, then below
+    assert got.gain_crossings == ((0.0, 180.0),)
+    assert got.delay_margin == inf
+    assert got.gain_margin == pytest.approx(3, rel=1e-14)
+
+
+def test_on_the_boundary_is_not_stable():
+    assert not margins(Sampled(num=[1.5], den=[1, -0.5], dt=1.0)).stable  # pole at z = -1
+    assert not margins(Plant(num=[6], den=[1, 3, 2, 0])).stable  # poles at +- j sqrt(2)
+    assert not margins(Sampled(num=[-0.5], den=[1, -0.5], dt=1.0)).stable  # pole at z = +1
+
+
+def test_a_hidden_unstable_mode_is_unstable():
+    assert not margins(Sampled(num=[0.1, -0.12], den=[1, -2.1, 1.08], dt=0.1)).stable
+    assert not margins(Plant(num=[1, -1], den=[1, 1, -2])).stable
+
+
+def test_two_crossings_on_a_needle_are_two():
+    """A resonance that reaches over 1 by a hair, on a band a millionth as wide as wide as w."""
+    zeta, wn = 1e-6, 7.0
+    for gain, count in ((1.0 + 1e-3, 2), (1.0 - 1e-3, 0)):
+        loop = Plant(num=[2 * zeta * wn * gain, 0.0], den=[1.0, 2 * zeta * wn, wn**2])
+        crossings = margins(loop).gain_crossings
+        assert len(crossings) == count
+        # |L|^2 = g^2 b^2/(x^2 + b^2), b = 2 zeta wn, x = w - wn^2/w: x = +- b sqrt(g^2 - 1)
+        for (w, _), sign in zip(crossings, (-1, 1), strict=False):
+            x = sign * 2 * zeta * wn * sqrt(gain**2 - 1)
+            # 1e-9: w itself to REL; x is a 1e-8 part of it
+            assert w == pytest.approx(x / 2 + sqrt(x * x / 4 + wn * wn), rel=REL)
+
+
+def test_json_has_no_infinity_and_no_nan():
+    found = margins(Plant(num=[0.5], den=[1])).to_dict()
+    assert found["gain_margin"] == "inf"
+    assert found["gain_margin_db"] == "inf"
+    assert found["phase_crossover"] is None
+    assert found["phase_margin_deg"] == "inf"
+    assert found["delay_margin"] == "inf"
+    json.dumps(found, allow_nan=False)
+
+
+@pytest.mark.parametrize("bad", [None, 1.0, [1, 2], "1/s"])
+def test_refuses_what_is_no_loop(bad):
+    with pytest.raises(SpecError, match="must be a"):
+        margins(bad)
+
+
+ROOTS = st.lists(st.floats(-0.95, 0.95), min_size=1, max_size=4)
+KINDS = st.builds(
+    lambda poles, zeros, k: Sampled(
+        num=[k * c for c in np.poly(zeros[: len(poles)])], den=np.poly(poles), dt=0.1
+    ),
+    ROOTS, ROOTS, st.floats(0.05, 5),
+)  # fmt: skip
+
+
+def steep(m, loop):
+    """Skip a loop with a crossing so flat that rounding decides about it."""
+    for w, _ in m.gain_crossings:
+        assume(0 < w < pi / loop.dt)
+        assume(abs(np.log(abs(loop.at(w * (1 + 1e-6)))) * 1e6) > 1e-2)
+    for w, k in m.phase_crossings:
+        if 0 < w < 0.999 * pi / loop.dt:
+            turned = -loop.at(w * (1 + 1e-6)) * k
+            assume(abs(np.angle(turned)) * 1e6 > 1e-2)
+
+
+@given(KINDS, st.floats(0.2, 5))
+def test_gain_moves_the_gain_margins_and_nothing_else(loop, k):
+    louder = Sampled(num=[k * c for c in loop.num], den=loop.den, dt=loop.dt)
+    one, other = margins(loop), margins(louder)
+    steep(one, loop)
+    steep(other, louder)
+    assert len(one.phase_crossings) == len(other.phase_crossings)
+    for (w, a), (w2, b) in zip(one.phase_crossings, other.phase_crossings, strict=True):
+        assert (w2, b * k) == pytest.approx((w, a), rel=REL)
+
+
+@given(KINDS, st.integers(-10, 10))
+def test_a_slower_clock_slows_the_frequencies_and_nothing_else(loop, power):
+    c = 2.0**power
+    one, slow = margins(loop), margins(Sampled(num=loop.num, den=loop.den, dt=loop.dt * c))
+    steep(one, loop)
+    assert slow.stable is one.stable
+    assert len(slow.gain_crossings) == len(one.gain_crossings)
+    for (w, pm), (w2, pm2) in zip(one.gain_crossings, slow.gain_crossings, strict=True):
+        assert w2 * c == pytest.approx(w, rel=REL)
+        assert pm2 == pytest.approx(pm, abs=DEG)
+    assert slow.gain_margin == pytest.approx(one.gain_margin, rel=REL)
+    assert slow.delay_margin == pytest.approx(one.delay_margin * c, rel=REL)
+    assert (slow.modulus_margin, slow.mt, slow.disk_margin) == pytest.approx(
+        (one.modulus_margin, one.mt, one.disk_margin), rel=REL
+    )
+
+
+@given(KINDS)
+def test_z_and_w_tell_the_same_loop(loop):
+    twin = Sampled.from_w(num_w=loop.num_w, den_w=loop.den_w, dt=loop.dt)
+    one, other = margins(loop), margins(twin)
+    assert other == one
+
+
+@given(KINDS)
+def test_the_loop_is_on_the_circle_and_on_the_ray_where_it_says(loop):
+    found = margins(loop)
+    steep(found, loop)
+    for w, pm in found.gain_crossings:
+        value = loop.at(w)
+        # 1e-8: a root of a polynomial whose crossing may be as flat as ``steep`` lets it be
+        assert abs(value) == pytest.approx(1, abs=1e-8)
+        assert value / abs(value) == pytest.approx(-np.exp(1j * radians(pm)), abs=1e-9)
+    for w, k in found.phase_crossings:
+        assert loop.at(w) * k == pytest.approx(-1, abs=1e-8)  # as above
+
+
+@given(KINDS)
+def test_extra_delay_up_to_the_delay_margin_keeps_it_stable(loop):
+    found = margins(loop)
+    assume(found.stable)
+    steep(found, loop)
+    samples = int(min(found.delay_margin / loop.dt * (1 - 1e-9), 25))
+    late = Sampled(num=loop.num, den=[*loop.den, *[0.0] * samples], dt=loop.dt)
+    assert margins(late).stable
+
+
+@given(KINDS)
+def test_the_gain_margin_is_where_stability_ends(loop):
+    found = margins(loop)
+    assume(found.stable)
+    assume(1e-3 < found.gain_margin < 1e3)
+    steep(found, loop)
+
+    def scaled(k):
+        return margins(Sampled(num=[k * c for c in loop.num], den=loop.den, dt=loop.dt))
+
+    inside = found.gain_margin ** (1 - 1e-6)
+    assert scaled(inside).stable
+
+
+@given(KINDS)
+def test_peaks_bound_a_fine_grid(loop):
+    found = margins(loop)
+    value = loop.at(np.linspace(0, pi / loop.dt, 500))
+    finite = value[np.isfinite(value)]
+    assert found.modulus_margin <= np.abs(1 + finite).min() * (1 + 1e-12)
+    # 1e-9: near an unstable closed loop 1 + L is a small difference
+    assert found.mt >= np.abs(finite / (1 + finite)).max() * (1 - 1e-9)
+    assert found.disk_margin <= 2 * np.abs((1 + finite) / (1 - finite)).min() * (1 + 1e-9)
+    assert abs(1 + loop.at(found.ms_frequency)) == pytest.approx(found.modulus_margin, rel=1e-9)
+
+
+def test_delay_margin_is_the_least_over_all_crossings():
+    """The smallest phase margin does not always cost the least delay."""
+    loop = Plant(num=[1.2, 0.3, 1.2], den=[1.0, 0.05, 4.0, 0.0])
+    found = margins(loop)
+    assert len(found.gain_crossings) == 3
+    by_hand = [radians(pm) % tau / w for w, pm in found.gain_crossings]
+    assert found.delay_margin == pytest.approx(min(by_hand), rel=1e-14)
+    assert margins(Plant(num=loop.num, den=loop.den, dead_time=found.delay_margin * 0.999)).stable
+    assert not margins(
+        Plant(num=loop.num, den=loop.den, dead_time=found.delay_margin * 1.001)
+    ).stable
+
+
+@given(st.fractions(Fraction(1, 50), Fraction(49, 50)), st.fractions(Fraction(1, 50), 3))
+def test_first_order_loops_have_closed_forms(a, b):
+    """b/(z - a): cos wc = (1 + a^2 - b^2)/(2a), and at z = -1 the factor (1 + a)/b."""
+    a, b = float(a), float(b)
+    found = margins(Sampled(num=[b], den=[1, -a], dt=1.0))
+    assert found.phase_crossings == pytest.approx([(pi, (1 + a) / b)])
+    assert found.stable is (b < 1 + a)
+    cos = (1 + a * a - b * b) / (2 * a)
+    if abs(cos) < 0.999:
+        assert found.crossover == pytest.approx(np.arccos(cos), rel=REL)
+    elif abs(cos) > 1.001:
+        assert found.crossover is None
