@@ -17,9 +17,9 @@ class SpecError(ZohError):
     ``argument`` is what was passed (a name or a dotted key), ``bound`` what it must be,
     ``value`` what it was, ``way_out`` what to do instead.
 
-    >>> raise SpecError("dt", "must be positive and finite", -1.0, "give the sample time in seconds")
+    >>> raise SpecError("dt", "must be above 0", -1.0, "give the sample time in seconds")
     Traceback (most recent call last):
-    zoh.errors.SpecError: dt must be positive and finite, got -1.0: give the sample time in seconds
+    zoh.errors.SpecError: dt must be above 0, got -1.0: give the sample time in seconds
     """
 
     def __init__(self, argument: str, bound: str, value: object, way_out: str) -> None:

@@ -58,7 +58,7 @@ def p(
     >>> d.gains["kp"]  # 1/(z - 1): |z - 1| = sqrt(2) at wc = pi/2
     1.414213...
     """
-    given = _given(wc=wc, pm_deg=pm_deg)
+    given = {"wc": wc, "pm_deg": pm_deg}
     return design(plant, "p", given, dt=dt, compute_delay=compute_delay, requirements=requirements)
 
 
@@ -71,7 +71,7 @@ def pi(
     Raises SpecError for a malformed request, Infeasible where a PI cannot, NotMet where the
     loop it gives is unstable or misses a requirement.
     """
-    given = _given(wc=wc, pm_deg=pm_deg)
+    given = {"wc": wc, "pm_deg": pm_deg}
     return design(plant, "pi", given, dt=dt, compute_delay=compute_delay, requirements=requirements)
 
 
@@ -80,7 +80,7 @@ def pd(
     compute_delay: float = 0.0, requirements: Requirements = NOTHING_ASKED,
 ) -> Verified:  # fmt: skip
     """Return the PD controller kp + kd w/(1 + w dt/2) that crosses over at wc with pm_deg."""
-    given = _given(wc=wc, pm_deg=pm_deg)
+    given = {"wc": wc, "pm_deg": pm_deg}
     return design(plant, "pd", given, dt=dt, compute_delay=compute_delay, requirements=requirements)
 
 
@@ -98,7 +98,7 @@ def pid(
     >>> round(d.margins.phase_margin_deg, 9), round(d.margins.crossover, 9)
     (40.0, 1.95)
     """
-    given = _given(wc=wc, pm_deg=pm_deg, ki=ki)
+    given = {"wc": wc, "pm_deg": pm_deg, "ki": ki}
     return design(
         plant, "pid", given, dt=dt, compute_delay=compute_delay, requirements=requirements
     )
@@ -110,7 +110,7 @@ def lag(
     requirements: Requirements = NOTHING_ASKED,
 ) -> Verified:  # fmt: skip
     """Return the lag with gain dc_gain at w = 0 that crosses over at wc with pm_deg."""
-    given = _given(wc=wc, pm_deg=pm_deg, dc_gain=dc_gain)
+    given = {"wc": wc, "pm_deg": pm_deg, "dc_gain": dc_gain}
     return design(
         plant, "lag", given, dt=dt, compute_delay=compute_delay, requirements=requirements
     )
@@ -128,24 +128,24 @@ def lead(
     Traceback (most recent call last):
     zoh.errors.Infeasible: a lag lowers the phase ... needs +36... deg ...laws that can: ...lead...
     """
-    given = _given(wc=wc, pm_deg=pm_deg, dc_gain=dc_gain)
+    given = {"wc": wc, "pm_deg": pm_deg, "dc_gain": dc_gain}
     return design(
         plant, "lead", given, dt=dt, compute_delay=compute_delay, requirements=requirements
     )
 
 
 def design(
-    plant: Plant, law: str, parameters: Mapping[str, float], *, dt: float,
+    plant: Plant, law: str, given: Mapping[str, float | None], *, dt: float,
     compute_delay: float = 0.0, requirements: Requirements = NOTHING_ASKED,
     reference: float = 1.0, name: str | None = None,
 ) -> Verified:  # fmt: skip
-    """Return the verified design of ``law``, whose parameters ``LAWS`` names.
+    """Return the verified design of ``law``; ``given`` are its parameters, named in ``LAWS``.
 
     Raises SpecError for an unknown law or parameter, one that is missing or out of range;
     Infeasible where the law cannot, with what could; NotMet where the loop is unstable, has a
     smaller margin at another crossover, or misses a requirement.
     """
-    _check(law, parameters)
+    parameters = _checked(law, given)
     sampled = sample(plant, dt, compute_delay)
 
     def checked(found: _Law, spec: Crossover | None) -> Verified:
@@ -261,25 +261,20 @@ def _certified(
     )
 
 
-def _given(**parameters: float | None) -> dict[str, float]:
-    return {name: value for name, value in parameters.items() if value is not None}
-
-
-def _check(law: str, parameters: Mapping[str, float]) -> None:
-    """Raise SpecError unless the law exists and the parameters are its own, in range."""
+def _checked(law: str, given: Mapping[str, float | None]) -> dict[str, float]:
+    """Return the parameters given (None is not given); raise SpecError unless they fit the law."""
     if law not in LAWS:
         raise SpecError("law", f"must be one of {', '.join(LAWS)}", law, "choose one of these")
     takes = LAWS[law]
-    for name, value in parameters.items():
+    for name, value in given.items():
         if name not in takes:
             raise SpecError(
                 name, f"is no parameter of {law} ({', '.join(takes)})", value, "leave it out"
             )
-        checks.positive(name, value)
+    parameters = {k: checks.positive(k, v) for k, v in given.items() if v is not None}
     missing = [name for name in takes if name not in parameters]
-    if law == "p" and missing and parameters:
-        return
-    if missing:
+    if missing and not (law == "p" and parameters):
         raise SpecError(
-            missing[0], f"must be given for {law}", None, f"a {law} takes {', '.join(takes)}"
+            missing[0], f"must be given for {law}", None, f"{law} takes {', '.join(takes)}"
         )
+    return parameters

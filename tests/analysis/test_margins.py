@@ -77,12 +77,10 @@ def test_the_margins_are_the_nearest_crossings(measured):
     assert got.gain_margin == pytest.approx(number(truth["gain_margin"], inf), rel=REL)
     assert got.phase_margin_deg == pytest.approx(number(truth["phase_margin_deg"], inf), abs=DEG)
     assert got.delay_margin == pytest.approx(number(truth["delay_margin"], inf), rel=REL)
-    for mine, theirs in (
-        (got.phase_crossover, truth["phase_crossover"]),
-        (got.crossover, truth["crossover"]),
-    ):
-        wanted = number(theirs, None)
-        assert mine is None if wanted is None else mine == pytest.approx(wanted, rel=REL)
+    wanted = number(truth["crossover"], None)
+    assert got.crossover == (None if wanted is None else pytest.approx(wanted, rel=REL))
+    factors = [k for w, k in got.phase_crossings if w == got.phase_crossover]  # a tie may fall
+    assert factors == ([] if truth["gain_margin"] is None else [got.gain_margin])  # either way
 
 
 def test_the_peaks_are_the_peaks(measured):
@@ -147,7 +145,7 @@ def test_a_hidden_unstable_mode_is_unstable():
 
 
 def test_two_crossings_on_a_needle_are_two():
-    """A resonance that reaches over 1 by a hair, on a band a millionth as wide as wide as w."""
+    """A resonance that reaches over 1 by a hair, on a band a millionth of w wide."""
     zeta, wn = 1e-6, 7.0
     for gain, count in ((1.0 + 1e-3, 2), (1.0 - 1e-3, 0)):
         loop = Plant(num=[2 * zeta * wn * gain, 0.0], den=[1.0, 2 * zeta * wn, wn**2])
@@ -168,6 +166,13 @@ def test_json_has_no_infinity_and_no_nan():
     assert found["phase_margin_deg"] == "inf"
     assert found["delay_margin"] == "inf"
     json.dumps(found, allow_nan=False)
+
+
+def test_json_of_a_crossing_at_infinity_is_json():
+    found = margins(Plant(num=[-1, 2], den=[2, 5]))  # L(infinity) = -1/2: a gain of 2 undoes it
+    assert found.gain_margin == 2
+    assert found.phase_crossover == inf
+    json.dumps(found.to_dict(), allow_nan=False)
 
 
 @pytest.mark.parametrize("bad", [None, 1.0, [1, 2], "1/s"])
@@ -248,6 +253,7 @@ def test_the_loop_is_on_the_circle_and_on_the_ray_where_it_says(loop):
 def test_extra_delay_up_to_the_delay_margin_keeps_it_stable(loop):
     found = margins(loop)
     assume(found.stable)
+    assume(abs(loop.at(pi / loop.dt)) < 0.999)  # otherwise any delay however short undoes it
     steep(found, loop)
     samples = int(min(found.delay_margin / loop.dt * (1 - 1e-9), 25))
     late = Sampled(num=loop.num, den=[*loop.den, *[0.0] * samples], dt=loop.dt)
@@ -298,7 +304,7 @@ def test_first_order_loops_have_closed_forms(a, b):
     """b/(z - a): cos wc = (1 + a^2 - b^2)/(2a), and at z = -1 the factor (1 + a)/b."""
     a, b = float(a), float(b)
     found = margins(Sampled(num=[b], den=[1, -a], dt=1.0))
-    assert found.phase_crossings == pytest.approx([(pi, (1 + a) / b)])
+    assert found.phase_crossings == ((pi, pytest.approx((1 + a) / b, rel=1e-14)),)
     assert found.stable is (b < 1 + a)
     cos = (1 + a * a - b * b) / (2 * a)
     if abs(cos) < 0.999:

@@ -28,9 +28,15 @@ def with_dead_time(spec, described):
     at_zero = num[-1] / den[-1] if den[-1] else 0.0
     if at_zero < 0:
         phases.insert(0, (mpf(0), -1 / mpf(at_zero)))
-    modulus = least(lambda w: abs(1 + loop(w)), points)
-    inverse_mt = least(lambda w: abs(1 + 1 / loop(w)), points)
-    disk = least(lambda w: abs((1 + loop(w)) / (1 - loop(w))), points)
+    start = mpf(num[-1]) / mpf(den[-1]) if den[-1] else mp.inf  # L(0); L(infinity) is 0
+    if start == mp.inf:
+        ends = (start, 1), (1, mp.inf), (1, 1)
+    else:
+        ends = (1 + start, 1), (1 + 1 / start, mp.inf), ((1 + start) / (1 - start), 1)
+    ends = [[abs(mpf(x)) for x in pair] for pair in ends]
+    modulus = least(lambda w: abs(1 + loop(w)), points, ends[0])
+    inverse_mt = least(lambda w: abs(1 + 1 / loop(w)), points, ends[1])
+    disk = least(lambda w: abs((1 + loop(w)) / (1 - loop(w))), points, ends[2])
     stable = zeros_on_the_right(num, den, theta) == 0
     found = described(stable, gains, phases, modulus, 1 / inverse_mt, 2 * disk)
     return found | {"limit": limit}
@@ -63,8 +69,11 @@ def size_crossings(loop, points):
     ]
 
 
-def least(f, points):
-    """Return the minimum of f, by golden sections around the least point of the grid."""
+def least(f, points, ends):
+    """Return the minimum of f, by golden sections around the least point of the grid.
+
+    ``ends`` are its values at w = 0 and at infinity.
+    """
     values = [float(f(w)) for w in points]
     i = values.index(min(values))
     a, b = mpf(points[max(i - 1, 0)]), mpf(points[min(i + 1, len(points) - 1)])
@@ -75,7 +84,7 @@ def least(f, points):
             b = d
         else:
             a = c
-    return f((a + b) / 2)
+    return min(f((a + b) / 2), *ends)
 
 
 def zeros_on_the_right(num, den, theta):

@@ -162,6 +162,8 @@ class Continuous(Sampled):
 
     def ends(self):
         yield mpf(0), self.num[0], self.den[0]
+        if len(self.num) == len(self.den):
+            yield mp.inf, self.num[-1], self.den[-1]
 
     def stable(self):
         return all(r.real < 0 for r in closed_roots(self))
@@ -249,7 +251,7 @@ def described(stable, gains, phases, modulus, mt, disk):
 
 
 def short(x):
-    return mp.nstr(x, DIGITS, min_fixed=0, max_fixed=0)
+    return "inf" if x == mp.inf else mp.nstr(x, DIGITS, min_fixed=0, max_fixed=0)
 
 
 def fractions(values):

@@ -19,6 +19,7 @@ Array = npt.NDArray[np.float64]
 
 # distances from a mode's frequency in units of its damping: near enough to see its peak, far
 # enough to meet the decades grid
+_MOST = 200_000  # points on a dead time's turns; more turns than that are not a control loop
 _AROUND = np.array([-30.0, -10, -4, -2, -1, -0.5, -0.2, 0, 0.2, 0.5, 1, 2, 4, 10, 30])
 
 
@@ -37,23 +38,25 @@ def landmarks(loop: Loop) -> Array:
     low, high = size.min() / 100, size.max() * 100
     count = int(12 * np.log10(high / low)) + 2
     around = np.abs(every.imag)[:, None] + np.abs(every.real)[:, None] * _AROUND
-    points = [
-        np.geomspace(low, high, count),
-        around.ravel(),
-        np.abs(every),
-        _delay_grid(loop, high),
-    ]
-    v = np.concatenate(points)
+    v = np.concatenate([np.geomspace(low, high, count), around.ravel(), np.abs(every)])
     v = v[(v >= low * 1e-3) & (v <= high * 1e3)]
-    return np.unique(v)
+    return np.unique(np.concatenate([v, _delay_grid(loop, np.sort(v))]))
 
 
-def _delay_grid(loop: Loop, high: float) -> Array:
-    """Return frequencies at every 0.2 rad of the delay's phase lag."""
+def _delay_grid(loop: Loop, v: Array) -> Array:
+    """Return frequencies at every 0.2 rad of the delay's phase lag.
+
+    A continuous dead time turns the loop for ever: it is followed while |L| is above a
+    thousandth on the grid v, and two turns further.
+    """
     if not loop.dead_time:
         return np.empty(0)
     if loop.dt is None:
-        return np.arange(1, 20_000) * min(0.2 / loop.dead_time, high / 1000)
+        top, bottom = np.abs(loop.parts(v))
+        loud = v[top > 1e-3 * bottom]
+        reach = (loud[-1] if loud.size else 0.0) + 4 * pi / loop.dead_time
+        turn = 0.2 / loop.dead_time
+        return turn * np.arange(1, min(_MOST, int(reach / turn)) + 2)
     turns = loop.dead_time / loop.dt
     half = np.arange(1, int(turns * pi / 0.2) + 2) * 0.1 / turns
     return 2 / loop.dt * np.tan(half[half < pi / 2])

@@ -23,7 +23,8 @@ from zoh.lti.poly import Poly
 from zoh.lti.systems import Plant, Sampled
 
 _EXPANDED = 12  # samples of delay multiplied into a polynomial to find its roots
-_TOUCHES = 4e-15  # |L| this near to 1 at an end of the axis is 1: a few roundings
+_TOUCHES = 4e-15  # |L| this near to 1 at an end of the axis is 1: a few roundings, and
+_BLUR = 1e-6  # the crossing they make up this near to it (|L| is flat there) is none
 
 
 def margins(loop: Plant | Sampled) -> Margins:
@@ -76,12 +77,8 @@ def _gain_crossings(
 ) -> list[tuple[float, float]]:
     """Return (frequency, phase margin in deg) wherever |L| passes through 1."""
     square = poly.plus(poly.size_squared(loop.num), poly.size_squared(loop.den), -1.0)
-    if not any(square):  # |L| = 1 everywhere: the margin is 0 wherever L = -1, 180 at L = 1
-        ends = [
-            (loop.frequency(v), 0.0 if top * bottom < 0 else 180.0)
-            for v, top, bottom in loop.ends()
-        ]
-        return sorted({(w, 0.0) for w, _ in by_phase} | set(ends))
+    if not any(square):  # |L| is 1 everywhere: what counts is where L is -1
+        return [(w, 0.0) for w, _ in by_phase]
 
     def excess(v: float) -> float:
         top, bottom = scalar(loop.num, v), scalar(loop.den, v)
@@ -94,8 +91,12 @@ def _gain_crossings(
     found = merged(sign_changes(excess, excess_on, (grid, suspects(square))))
     crossings = [(loop.frequency(v), _margin_deg(*_at(loop, v))) for v in found]
     for v, top, bottom in loop.ends():
-        if bottom and abs(abs(top / bottom) - 1) <= _TOUCHES:
-            crossings.append((loop.frequency(v), 0.0 if top * bottom < 0 else 180.0))
+        if not bottom or abs(abs(top / bottom) - 1) > _TOUCHES:
+            continue
+        w = loop.frequency(v)
+        crossings = [c for c in crossings if abs(c[0] - w) > _BLUR * _scale(loop)]
+        if top / bottom < 0:
+            crossings.append((w, 0.0))
     return sorted(crossings)
 
 
@@ -196,7 +197,8 @@ def _least_ratio(
     best = least(ratio, slope, grid)
     for v, top, bottom in loop.ends():
         g = below(loop, v, complex(top), complex(bottom))
-        if g and abs(bottom + top) / abs(g) < best[1]:
+        # where the least is at an end, the grid's outermost point says the same but for rounding
+        if g and abs(bottom + top) / abs(g) <= best[1] * (1 + 1e-14):
             best = v, abs(bottom + top) / abs(g)
     return best
 
@@ -208,6 +210,12 @@ def _at(loop: Loop, v: float) -> tuple[complex, complex]:
 
 def _square(x: complex) -> float:
     return x.real * x.real + x.imag * x.imag
+
+
+def _scale(loop: Loop) -> float:
+    """Return the least frequency in rad/s at which the loop does anything."""
+    sizes = [abs(r) for r in (*poly.roots(loop.num), *poly.roots(loop.den)) if r]
+    return loop.frequency(min(sizes, default=1.0))
 
 
 def _margin_deg(top: complex, bottom: complex) -> float:

@@ -87,9 +87,10 @@ class Measured:
         """Return what was measured in a few lines."""
         m = self.margins
         gains = ", ".join(f"{k} = {v:.6g}" for k, v in self.gains.items())
+        controller = fraction(self.controller.num, self.controller.den, "z")
         lines = [
             f"{self.name}: {self.law}" + (f" with {gains}" if gains else ""),
-            f"  D(z) = {fraction(self.controller.num, self.controller.den, 'z')}, dt = {self.dt:g} s",
+            f"  D(z) = {controller}, dt = {self.dt:g} s",
             f"  closed loop {'stable' if m.stable else 'UNSTABLE'}",
             f"  phase margin {m.phase_margin_deg:.6g} deg at {_or_none(m.crossover)} rad/s,"
             f" gain margin {m.gain_margin_db:.4g} dB at {_or_none(m.phase_crossover)} rad/s",

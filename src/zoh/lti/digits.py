@@ -8,8 +8,11 @@ exactly and leaves correctly rounded.
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal, localcontext
-from fractions import Fraction
 from math import frexp
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from fractions import Fraction
 
 Exact = tuple[Decimal, ...]
 
@@ -25,15 +28,18 @@ def precision(digits: int) -> Iterator[None]:
         yield
 
 
-def exact(values: Sequence[float | Fraction]) -> Exact:
+def exact(values: "Sequence[float | Fraction]") -> Exact:
     """Return floats as they are, fractions to ``KEPT`` digits.
 
+    >>> from fractions import Fraction
     >>> exact([0.5, Fraction(1, 4)])
     (Decimal('0.5'), Decimal('0.25'))
     """
     with precision(KEPT):
         return tuple(
-            Decimal(v.numerator) / Decimal(v.denominator) if isinstance(v, Fraction) else Decimal(v)
+            Decimal(v)
+            if isinstance(v, float | int)
+            else Decimal(v.numerator) / Decimal(v.denominator)
             for v in values
         )
 
@@ -131,5 +137,5 @@ def _common_shift(values: Sequence[float]) -> int:
 
 def _scaled(x: float, shift: int) -> int:
     """Return x 2**shift as a whole number; shift comes from ``_common_shift``."""
-    fraction = Fraction(x) * Fraction(2) ** shift
-    return fraction.numerator
+    top, bottom = x.as_integer_ratio()
+    return (top << shift) // bottom if shift >= 0 else top // (bottom << -shift)

@@ -5,6 +5,7 @@ Nothing is measured here: margins come in as ``Margins``, curves are responses.
 
 from collections.abc import Sequence
 from math import inf, isfinite, pi
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,11 +17,13 @@ from zoh.analysis.verify import Measured
 from zoh.lti.systems import Plant, Sampled
 from zoh.lti.wplane import warp
 from zoh.report import canvas
-from zoh.report.canvas import BLUE, FAINT, GREEN, INK, RED, SOFT
+from zoh.report.canvas import BLUE, FAINT, GREEN, RED, SOFT
 from zoh.report.curves import Array, frequencies, lowest, phase_deg
 
-_MARK = {"color": RED, "linewidth": 2.2, "solid_capstyle": "butt", "zorder": 4}
-_GUIDE = {"color": SOFT, "linewidth": 0.8, "linestyle": (0, (1, 2)), "zorder": 2}
+NEAR_NYQUIST = 0.99  # where a line ends: past it v runs away, which the w-plane shows better
+
+_MARK: dict[str, Any] = {"color": RED, "linewidth": 2.2, "solid_capstyle": "butt", "zorder": 4}
+_GUIDE: dict[str, Any] = {"color": SOFT, "linewidth": 0.8, "linestyle": (0, (1, 2)), "zorder": 2}
 
 
 def margin_title(found: Margins) -> str:
@@ -70,7 +73,7 @@ def bode(
 def both_scales(measured: Measured, *, title: str | None = None) -> Figure:
     """Draw plant, controller and loop over the real frequency and over the w-plane's."""
     loop, found, dt = measured.loop, measured.margins, measured.dt
-    w = frequencies(loop, lowest(loop, found.crossover), pi / dt)
+    w = frequencies(loop, lowest(loop, found.crossover), pi / dt * (1 - 1e-6))
     lines = (
         ("plant G", measured.sampled, SOFT, 1.3),
         ("controller D", measured.controller, GREEN, 1.3),
@@ -87,16 +90,18 @@ def both_scales(measured: Measured, *, title: str | None = None) -> Figure:
                 top.plot(x[keep], db[keep], color=colour, linewidth=width, label=label)
                 bottom.plot(x[keep], angle[keep], color=colour, linewidth=width)
             _cross(top, bottom, measured, warped=column == 1)
-            _finish(top, bottom, (float(x[0]), float(x[keep][-1])))
+            edge = float(x[keep][-1])
+            _finish(top, bottom, (float(x[0]), edge if column else 1.25 * edge))
         axes[0][1].set_ylabel("")
         axes[1][1].set_ylabel("")
-        _mark_nyquist(axes[0][0], axes[1][0], pi / dt)
-        axes[1][0].set_xlabel("real frequency ω, rad/s")
-        axes[1][1].set_xlabel("w-plane frequency v = (2/dt) tan(ω dt/2), rad/s")
+        for ax in axes[:, 0]:
+            ax.axvline(pi / dt, color=SOFT, linewidth=0.9, zorder=1)
+        axes[1][0].set_xlabel(f"real frequency ω, rad/s (Nyquist {pi / dt:.3g})")
+        axes[1][1].set_xlabel("w-plane frequency v, rad/s")
         figure.suptitle(title or measured.name, x=0.01, ha="left", fontsize=9.5, weight="bold")
         handles, names = axes[0][0].get_legend_handles_labels()
         figure.legend(
-            handles, names, loc="outside upper right", ncols=3, labelcolor="linecolor",
+            handles, names, loc="outside lower center", ncols=3, labelcolor="linecolor",
             handlelength=1.1, borderaxespad=0.2,
         )  # fmt: skip
     return figure
@@ -111,13 +116,18 @@ def compare(designs: Sequence[Measured], *, title: str) -> Figure:
         high = max(pi / d.dt for d in designs)
         paints = canvas.colours([d.law for d in designs])
         for design, colour in zip(designs, paints, strict=True):
-            w = frequencies(design.loop, low, high)
+            w = frequencies(design.loop, low, NEAR_NYQUIST * pi / design.dt)
             top.plot(w, _db(design.loop, w), color=colour, label=design.name)
             bottom.plot(w, phase_deg(design.loop, w), color=colour)
             wc = design.margins.crossover
             if wc:
                 at = np.array([wc])
-                dot = {"color": colour, "markersize": 5.5, "markeredgecolor": "white", "zorder": 5}
+                dot: dict[str, Any] = {
+                    "color": colour,
+                    "markersize": 5.5,
+                    "markeredgecolor": "white",
+                    "zorder": 5,
+                }
                 top.plot(at, [0.0], "o", **dot)
                 bottom.plot(at, phase_deg(design.loop, at), "o", **dot)
         top.axhline(0, **_GUIDE)
@@ -146,7 +156,9 @@ def _axis(loop: Plant | Sampled, found: Margins) -> Array:
     marks = (found.crossover, found.phase_crossover)
     low = lowest(loop, *marks)
     known = [m for m in marks if m]
-    high = pi / loop.dt if isinstance(loop, Sampled) else 100 * max(known, default=1.0)
+    high = (
+        NEAR_NYQUIST * pi / loop.dt if isinstance(loop, Sampled) else 100 * max(known, default=1.0)
+    )
     return frequencies(loop, low, high)
 
 
@@ -164,30 +176,32 @@ def _mark_margins(top: Axes, bottom: Axes, loop: Plant | Sampled, found: Margins
         top.axvline(wc, **_GUIDE)
         bottom.axvline(wc, **_GUIDE)
         bottom.plot([wc, wc], [reference, at], **_MARK)
-        _tag(bottom, wc, (reference + at) / 2, f"{found.phase_margin_deg:.1f}°")
+        _tag(bottom, wc, (reference + at) / 2, f"{found.phase_margin_deg:.1f}°", above=False)
     bottom.axhline(reference, **_GUIDE)
     if wpc and found.gain_margin < inf:
         top.axvline(wpc, **_GUIDE)
         bottom.axvline(wpc, **_GUIDE)
         top.plot([wpc, wpc], [-found.gain_margin_db, 0], **_MARK)
-        _tag(top, wpc, -found.gain_margin_db / 2, f"{found.gain_margin_db:.1f} dB")
+        over = max(0.0, -found.gain_margin_db)
+        _tag(top, wpc, over, f"{found.gain_margin_db:.1f} dB", above=True)
 
 
-def _tag(ax: Axes, x: float, y: float, text: str) -> None:
+def _tag(ax: Axes, x: float, y: float, text: str, *, above: bool) -> None:
+    """Write a margin beside its mark, on the side where a falling loop leaves room."""
+    offset, sides = ((0, 4), ("center", "bottom")) if above else ((-6, 0), ("right", "center"))
     ax.annotate(
-        text, (x, y), xytext=(-6, 0), textcoords="offset points", ha="right", va="center",
-        color=RED, weight="bold", fontsize=9,
-        bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0, "alpha": 0.85}, zorder=5,
+        text, (x, y), xytext=offset, textcoords="offset points", ha=sides[0], va=sides[1],
+        color=RED, weight="bold", fontsize=9, zorder=5,
     )  # fmt: skip
 
 
 def _mark_nyquist(top: Axes, bottom: Axes, nyquist: float) -> None:
     for ax in (top, bottom):
-        ax.axvline(nyquist, color=INK, linewidth=0.9, zorder=1)
-    bottom.annotate(
+        ax.axvline(nyquist, color=SOFT, linewidth=0.9, zorder=1)
+    top.annotate(
         f"Nyquist {nyquist:.3g}", (nyquist, 1), xycoords=("data", "axes fraction"),
-        xytext=(-3, -3), textcoords="offset points", ha="right", va="top",
-        fontsize=7.5, color=SOFT, rotation=90,
+        xytext=(-3, -2), textcoords="offset points", ha="right", va="top",
+        fontsize=8, color=SOFT, rotation=90,
     )  # fmt: skip
 
 
@@ -205,7 +219,8 @@ def _cross(top: Axes, bottom: Axes, measured: Measured, *, warped: bool) -> None
     bottom.plot([x, x], [at - measured.margins.phase_margin_deg, at], **_MARK)
     top.plot([x], [0.0], "o", color=RED, markersize=5, zorder=5)
     top.annotate(
-        f"{'v' if warped else 'ω'} = {x:.4g}", (x, 0), xytext=(5, 5), textcoords="offset points",
+        f"{'v' if warped else 'ω'} = {x:.4g}", (x, 0), xycoords=("data", "axes fraction"),
+        xytext=(-4, 4), textcoords="offset points", ha="right",
         color=RED, weight="bold", fontsize=8.5,
     )  # fmt: skip
 
@@ -218,8 +233,9 @@ def _finish(top: Axes, bottom: Axes, limits: tuple[float, float]) -> None:
     bottom.set_xlabel("frequency, rad/s")
     low, high = bottom.get_ylim()
     bottom.yaxis.set_major_locator(MultipleLocator(45 if high - low <= 300 else 90))
-    for ax in (top, bottom):
-        ax.tick_params(which="minor", length=2, color=FAINT)
+    bottom.xaxis.set_major_formatter(lambda x, _: f"{x:g}")
+    top.tick_params(which="both", bottom=False)
+    bottom.tick_params(which="minor", length=2, color=FAINT)
 
 
 def _name_lines(ax: Axes) -> None:

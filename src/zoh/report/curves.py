@@ -31,7 +31,7 @@ def frequencies(system: Plant | Sampled, low: float, high: float) -> Array:
 
 
 def lowest(system: Plant | Sampled, *marks: float | None) -> float:
-    """Return a power of ten, rad/s, below every corner and every mark.
+    """Return a power of ten, rad/s, a decade below every corner and every mark.
 
     >>> lowest(Plant(num=[1], den=[1, 0.5, 0]), 3.0)
     0.01
@@ -41,7 +41,7 @@ def lowest(system: Plant | Sampled, *marks: float | None) -> float:
     least = min(known, default=1.0)
     if isinstance(system, Sampled):
         least = min(least, 1 / system.dt)
-    return float(10.0 ** floor(log10(least) - 0.7))
+    return float(10.0 ** floor(log10(least) - 1))
 
 
 def phase_deg(system: Plant | Sampled, w: Array) -> Array:
@@ -81,7 +81,7 @@ def _lowest_coefficient(a: Poly) -> float:
 
 def _corners(a: Poly) -> npt.NDArray[np.complex128]:
     found = roots(a)
-    return found[found != 0]
+    return np.asarray(found[found != 0])
 
 
 def _terms(a: Poly, x: Array) -> Array:

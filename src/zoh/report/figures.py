@@ -35,6 +35,9 @@ __all__ = [
 ]
 
 
+DOTS = 200  # samples that stay apart on a page 600 px wide; a longer response is its line
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Response:
     """One line of a step plot: its name, the law that gives its colour, and its trace."""
@@ -144,10 +147,12 @@ def _steps_on(ax: Axes, responses: Sequence[Response], reference: float) -> None
     for response, colour in _painted(responses):
         trace = response.trace
         ax.plot(trace.t_between, trace.y_between, color=colour, linewidth=1.5, label=response.name)
-        every = max(1, len(trace.t) // 90)  # dots stay apart on a page 600 px wide
-        ax.plot(trace.t[::every], trace.y[::every], "o", color=colour, markersize=2.8)
+        if len(trace.t) <= DOTS:
+            ax.plot(trace.t, trace.y, "o", color=colour, markersize=2.6)
     ax.set_xlim(0, max(float(r.trace.t[-1]) for r in responses))
-    ax.set_ylim(bottom=min(0.0, ax.get_ylim()[0]))
+    lowest_y = min(float(r.trace.y_between.min()) / reference for r in responses)
+    if lowest_y > -1e-6:  # of the reference: nothing undershoots, so the axis starts at 0
+        ax.set_ylim(bottom=0)
     ax.set_ylabel("output")
     ax.set_xlabel("time, s")
 
@@ -156,8 +161,8 @@ def _peak(ax: Axes, response: Response) -> None:
     k = int(np.argmax(np.abs(response.trace.u)))
     t, u = float(response.trace.t[k]), float(response.trace.u[k])
     ax.annotate(
-        f"peak {u:.3g}", (t, u), xytext=(8, 0), textcoords="offset points",
-        ha="left", va="top" if u > 0 else "bottom", fontsize=8.5, color=INK,
+        f"peak {u:.3g} at {t:.3g} s", (1, 1), xycoords="axes fraction", xytext=(-2, -4),
+        textcoords="offset points", ha="right", va="top", fontsize=8.5, color=INK,
     )  # fmt: skip
 
 
@@ -174,13 +179,9 @@ def _nyquist_on(ax: Axes, design: Measured, colour: str) -> None:
     touch = design.loop.at(design.margins.ms_frequency)
     ax.plot([touch.real], [touch.imag], "o", color=colour, markersize=4)
     ax.plot([-1], [0], "+", color=INK, markersize=8, markeredgewidth=1.6)
-    ax.annotate(
-        f"Ms = {design.margins.ms:.3g}", (-1, radius), xytext=(0, 3),
-        textcoords="offset points", ha="center", fontsize=8.5, color=colour, weight="bold",
-    )  # fmt: skip
     ax.set_aspect("equal")
     ax.set_xlim(-2.4, 1.3)
     ax.set_ylim(-1.8, 1.8)
-    ax.set_title(design.name)
+    ax.set_title(f"{design.name}: Ms = {design.margins.ms:.3g}")
     ax.set_xlabel("real")
     ax.set_ylabel("imaginary")

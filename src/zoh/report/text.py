@@ -1,10 +1,10 @@
 """Measured designs as text: numbers, transfer functions and tables in Markdown."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from math import ceil, inf, log10
+from math import ceil, floor, inf, log10
 
 from zoh.analysis.results import StepInfo
-from zoh.analysis.verify import Measured
+from zoh.analysis.verify import Measured, polynomial
 from zoh.lti.poly import trim
 from zoh.lti.systems import Sampled
 
@@ -85,10 +85,10 @@ def slug(name: str, taken: Iterable[str] = ()) -> str:
 
 
 def horizon(steps: Iterable[StepInfo | None]) -> float:
-    """Return seconds that show every response settle, rounded up to one digit or to half."""
+    """Return seconds that show every response settle, rounded up to two digits, the second even."""
     known = [s.settling_time for s in steps if s is not None and s.settling_time]
     longest = 1.3 * max(known, default=1.0)
-    unit = float(10.0 ** (ceil(log10(longest)) - 1))
+    unit = float(10.0 ** floor(log10(longest))) / 5
     return ceil(longest / unit) * unit
 
 
@@ -108,33 +108,20 @@ def facts(d: Measured) -> Mapping[str, str]:
         "gain margin, dB": number(m.gain_margin_db),
         "delay margin, s": number(m.delay_margin),
         "Ms": number(m.ms),
-        "overshoot at the samples, %": number(s and s.overshoot_pct, 3),
-        "overshoot between them, %": number(between and between.overshoot_pct, 3),
-        "rise time, s": number(s and s.rise_time, 3),
-        "settling time, s": number(s and s.settling_time, 3),
-        "steady-state error": number(s and s.steady_state_error, 3),
-        "peak effort": number(s and s.peak_effort, 3),
+        "overshoot at the samples, %": number(s.overshoot_pct if s else None, 3),
+        "overshoot between them, %": number(between.overshoot_pct if between else None, 3),
+        "rise time, s": number(s.rise_time if s else None, 3),
+        "settling time, s": number(s.settling_time if s else None, 3),
+        "steady-state error": number(s.steady_state_error if s else None, 3),
+        "peak effort": number(s.peak_effort if s else None, 3),
         "requirements": "met" if d.met else "**missed**",
     }
 
 
 def _fraction(num: Sequence[float], den: Sequence[float], variable: str, digits: int) -> str:
-    top, bottom = _polynomial(num, variable, digits), _polynomial(den, variable, digits)
+    top = polynomial(tuple(num), variable, digits)
+    bottom = polynomial(tuple(den), variable, digits)
     if bottom == "1":
         return top
-    bare = variable in bottom and " " in bottom
-    return f"{f'({top})' if ' ' in top else top}/{f'({bottom})' if bare else bottom}"
-
-
-def _polynomial(a: Sequence[float], variable: str, digits: int) -> str:
-    out = ""
-    for i, c in enumerate(a):
-        power = len(a) - 1 - i
-        if not c:
-            continue
-        size = number(abs(c), digits)
-        name = {0: "", 1: variable}.get(power, f"{variable}^{power}")
-        term = name if name and size == "1" else f"{size} {name}".strip()
-        sign = "-" if c < 0 else "+"
-        out += f" {sign} {term}" if out else (f"-{term}" if c < 0 else term)
-    return out or "0"
+    enclosed = [f"({text})" if " " in text else text for text in (top, bottom)]
+    return "/".join(enclosed)

@@ -15,6 +15,7 @@ z-Transform Method (modified z-transform).
 
 from collections.abc import Sequence
 from decimal import Decimal
+from itertools import pairwise
 from math import ceil, ulp
 
 from zoh import checks
@@ -64,7 +65,7 @@ def _rounded(
     den_z = den1_z
     for _ in range(k):
         den_z = digits.times(den_z, (_ONE, -_ONE))
-    pulse = [values[0]] + [b - a for a, b in zip(values, values[1:], strict=False)]
+    pulse = [values[0]] + [b - a for a, b in pairwise(values)]
     num_z = [sum((den_z[i] * pulse[j - i] for i in range(j + 1)), _ZERO) for j in range(n + 1)]
     half = Decimal(dt) / 2
     den_p = tuple(c * 2**k for c in to_bilinear(den1_z, n - k)) + (_ZERO,) * k

@@ -5,12 +5,10 @@ list of coefficients that also keeps what it stands for, is reproduced; what doe
 takes verdict and sentence from the finding that explains it, and where there is none says so.
 """
 
-from cmath import phase
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import degrees
 
-from zoh.app.paper import findings, table
+from zoh.app.paper import findings, recipe, table
 from zoh.app.paper.findings import Finding
 from zoh.app.paper.printed import LAG_IS_CALLED, NUMBERS, Printed, value
 from zoh.app.paper.recomputed import Value, recomputed
@@ -122,8 +120,8 @@ def _table_is_twice(number: Printed, again: Value) -> bool:
 
 def _kind(found: Study, explained: Mapping[str, Finding]) -> Check:
     """Return the check of the word: a lag turns the phase back and has its pole first."""
-    made, wc = found.recipes["lag"], value("lag.wc_rad_s")
-    turn = degrees(phase(made.controller.at(wc)))
+    p, wc = found.recipes["lag"].parameters, value("lag.wc_rad_s")
+    turn = recipe.turn_in_w(wc, w0=p["w0"], wp=p["wp"])
     kind, sign = ("phase-lead", "<") if turn > 0 else ("phase-lag", ">=")
     known = explained.get(LAG_KIND)
     agrees = kind == LAG_IS_CALLED

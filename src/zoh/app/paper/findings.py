@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import degrees
 
-from zoh.app.paper import table
+from zoh.app.paper import recipe, table
 from zoh.app.paper.printed import LAWS, MARGIN_ASKED_DEG, METRICS, value
 from zoh.app.paper.recipe import DT
 from zoh.app.paper.study import Study
@@ -57,7 +57,7 @@ def _four_digits(found: Study) -> Finding:
         sentence=(
             "Rounded to four digits, the denominator of G(z) no longer sums to zero, so the "
             f"integrator at z = 1 becomes an unstable pole at z = {outside:.4f}, and typed in "
-            f"like this it costs {true - rounded.phase_margin_deg:.1f} deg: the uncompensated "
+            f"like this it costs {true - rounded.phase_margin_deg:.2f} deg: the uncompensated "
             f"phase margin falls from {true:.2f} to {rounded.phase_margin_deg:.2f} deg."
         ),
     )
@@ -66,6 +66,7 @@ def _four_digits(found: Study) -> Finding:
 def _mislabelled(found: Study) -> Finding:
     p, wc = found.recipes["lag"].parameters, value("lag.wc_rad_s")
     turn = degrees(phase(found.recipes["lag"].controller.at(wc)))
+    in_w = recipe.turn_in_w(wc, w0=p["w0"], wp=p["wp"])
     return Finding(
         name="A lead called lag",
         ids=("lag.kind",),
@@ -73,7 +74,7 @@ def _mislabelled(found: Study) -> Finding:
         sentence=(
             f"The controller called phase-lag is a phase-lead: its zero at {p['w0']:.3f} rad/s "
             f"lies below its pole at {p['wp']:.3f} rad/s, and at {wc:g} rad/s it turns the phase "
-            f"by {turn:+.1f} deg."
+            f"by {turn:+.1f} deg ({in_w:+.1f} deg where the paper, without the warp, looks)."
         ),
     )
 
@@ -153,6 +154,6 @@ def _table(found: Study) -> Finding:
             "Table I counts the sensor gain twice: 0.1533 already contains 12/180, and only with "
             "the loop gain multiplied by 12/180 once more do its entries come out, while the "
             f"loop that was designed has {min(overshoot):.0f} to {max(overshoot):.0f} % overshoot "
-            f"and settles {min(faster):.0f} to {max(faster):.0f} times faster."
+            f"and settles {min(faster):.1f} to {max(faster):.1f} times faster."
         ),
     )

@@ -48,8 +48,8 @@ def _step_figure(found: Study) -> Drawing:
     twice = [_named(found.twice[law], law, TWICE_END, 2) for law in LAWS]
     once = [_named(d, law, end, 20) for law, d in zip(LAWS, designed, strict=True)]
     panels = [
-        ("as printed: the sensor gain counted twice", twice),
-        ("the loop as designed: the sensor gain counted once", once),
+        ("As printed: the sensor gain counted twice", twice),
+        ("The loop as designed: the sensor gain counted once", once),
     ]
     title = "Closed loops, input 0.07 u(t)"
     figure = fig.step_pair(panels, reference=INPUT, title=title)

@@ -130,6 +130,7 @@ def _typed_in() -> dict[str, Printed]:
 NUMBERS: Mapping[str, Printed] = MappingProxyType(_typed_in())
 
 LAG_IS_CALLED = "phase-lag"  # sec. III, its title, and w0 = 0.3290 < wp = 2.3979
+LAG_SEES_DEG = -135.0  # sec. III, the plant's phase at a lag's crossover: -180 + 5 + 40
 MARGIN_ASKED_DEG = 40.0  # abstract and every section
 
 

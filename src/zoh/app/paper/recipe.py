@@ -9,7 +9,7 @@ Source: the paper, equations (1) to (21); they follow Phillips and Nagle.
 from cmath import phase
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import cos, degrees, log, pi, radians, sin, tau
+from math import atan, cos, degrees, log, pi, radians, sin, tau
 
 from zoh.lti.systems import Plant, Sampled
 from zoh.sampling.hold import sample
@@ -129,6 +129,15 @@ def integral_gain_behind(kd: float, *, wc: float, pm_deg: float) -> float:
     g, theta = abs(_response(wc)), _theta_r(wc, pm_deg)
     c = 2 / DT
     return wc * (kd * wc * c**2 / (c**2 + wc**2) - sin(theta) / g)
+
+
+def turn_in_w(v: float, *, w0: float, wp: float) -> float:
+    """Return the phase in degrees of (1 + w/w0)/(1 + w/wp) at w = j v: above 0 it is a lead.
+
+    >>> round(turn_in_w(1.0, w0=1.0, wp=1e9), 6)
+    45.0
+    """
+    return degrees(atan(v / w0) - atan(v / wp))
 
 
 def _response(wc: float) -> complex:

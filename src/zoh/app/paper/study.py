@@ -8,7 +8,7 @@ from zoh.analysis.margins import margins
 from zoh.analysis.results import Margins
 from zoh.analysis.verify import Measured, Verified, measure
 from zoh.app.paper import recipe
-from zoh.app.paper.printed import LAWS, MARGIN_ASKED_DEG, value, values
+from zoh.app.paper.printed import LAG_SEES_DEG, LAWS, MARGIN_ASKED_DEG, value, values
 from zoh.app.paper.recipe import ARM, DT, POTENTIOMETER, Recipe
 from zoh.errors import Infeasible, ZohError
 from zoh.lti.systems import Plant, Sampled
@@ -101,12 +101,13 @@ def _measured(controller: Sampled, law: str, reading: str) -> Measured:
 def _exact() -> dict[str, Verified]:
     """Return the library's designs.
 
-    The lag stands at the PI's crossover: of the paper's four it is the only one at which a lag
-    with the paper's gain can leave 40 deg, and beside the PI it shows what the integrator adds.
+    The lag stands where the paper's own section III would put one: where the plant is at
+    -180 + 5 + 40 = -135 deg, so that 5 deg are left for the lag to take.
     """
     pm, gain = MARGIN_ASKED_DEG, value("lag.dc_gain")
+    lag_wc = round(recipe.crossover_behind(180 + pm - LAG_SEES_DEG, pm), 2)
     asked = {
-        "lag": {"wc": value("pi.wc_rad_s"), "pm_deg": pm, "dc_gain": gain},
+        "lag": {"wc": lag_wc, "pm_deg": pm, "dc_gain": gain},
         "lead": {"wc": value("lead.wc_rad_s"), "pm_deg": pm, "dc_gain": value("lead.dc_gain")},
         "pi": {"wc": value("pi.wc_rad_s"), "pm_deg": pm},
         "pid": {"wc": value("pid.wc_rad_s"), "pm_deg": pm, "ki": value("pid.KI")},

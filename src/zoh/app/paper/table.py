@@ -35,11 +35,8 @@ def read_off(loops: Mapping[str, Measured]) -> Table:
     table: Table = {}
     for law in LAWS:
         step = loops[law].step
-        table[law] = {
-            "overshoot_pct": step and step.overshoot_pct,
-            "rise_s": step and step.rise_time,
-            "settling_s": step and step.settling_time,
-        }
+        read = (step.overshoot_pct, step.rise_time, step.settling_time) if step else (None,) * 3
+        table[law] = dict(zip(METRICS, read, strict=True))
     return table
 
 
