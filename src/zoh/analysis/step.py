@@ -19,7 +19,6 @@ from zoh.analysis.waveform import Waveform
 from zoh.errors import SpecError
 from zoh.lti import poly
 from zoh.lti.systems import Plant, Sampled
-from zoh.sampling.hold import sample
 
 RISE = (0.1, 0.9)
 BAND = 0.02
@@ -132,9 +131,9 @@ def trace(
 
 
 def _final_value(plant: Plant, controller: Sampled) -> float:
-    """Return L(1)/(1 + L(1)), from the loop's polynomials at w = 0."""
-    loop = Loop.of(controller, sample(plant, controller.dt))
-    return loop.num[-1] / (loop.num[-1] + loop.den[-1])
+    """Return L/(1 + L) at rest, where the held plant's gain is the plant's own."""
+    top = controller.num_w[-1] * plant.sensor * plant.num[-1]
+    return top / (top + controller.den_w[-1] * plant.den[-1])
 
 
 def _metrics(wave: Waveform, final: float, *, between: bool) -> StepInfo:

@@ -78,10 +78,17 @@ class Measured:
                 "den_w": list(self.controller.den_w),
             },
             "margins": self.margins.to_dict(),
-            "step": None if self.step is None else self.step.to_dict(),
+            "step": self._step_dict(),
             "met": self.met,
             "misses": list(self.misses),
         }
+
+    def _step_dict(self) -> dict[str, Any] | None:
+        """Return the step's JSON form, with the effort that a step of the *output* would ask."""
+        if self.step is None or self.step.peak_effort is None:
+            return None
+        effort = self.step.peak_effort * abs(self.plant.sensor)
+        return {**self.step.to_dict(), "peak_effort_output_step": effort}
 
     def report(self) -> str:
         """Return what was measured in a few lines."""

@@ -94,6 +94,7 @@ def _parser() -> ArgumentParser:
 
 def _design(arguments: Namespace) -> int:
     project = read(files.read_text(arguments.file))
+    _refuse_early(arguments, "design.json")
     entries = design_all(project)
     result = to_dict(project, entries)
     if arguments.out is not None:
@@ -113,6 +114,7 @@ def _check(arguments: Namespace) -> int:
 def _paper(arguments: Namespace) -> int:
     from zoh.app import paper
 
+    _refuse_early(arguments, "paper.json")
     result = paper.run()
     if arguments.out is not None:
         report = _with_matplotlib(lambda: paper.report(result))
@@ -146,6 +148,12 @@ def _with_matplotlib(
             raise
         way_out = "pip install 'zoh[plot]' brings it"
         raise SpecError("--out", "must have matplotlib for its figures", "none", way_out) from None
+
+
+def _refuse_early(arguments: Namespace, name: str) -> None:
+    """Refuse a folder that is taken before the work, not after it."""
+    if arguments.out is not None:
+        files.refuse_what_is_there(arguments.out, [name], force=arguments.force)
 
 
 def _write(arguments: Namespace, report: Mapping[str, str | bytes]) -> None:

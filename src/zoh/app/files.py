@@ -1,13 +1,13 @@
 """The only place that reads and writes files: nothing half-read, nothing half-written."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from zoh.app.toml import LONGEST
 from zoh.errors import SpecError
 
-_SHARED = "must be a project file that can be read"
+_READABLE = "must be a project file that can be read"
 
 
 def read_text(path: str) -> str:
@@ -17,12 +17,12 @@ def read_text(path: str) -> str:
             data = file.read(4 * LONGEST + 1)  # a device without an end stops here, too
     except (OSError, ValueError) as e:  # ValueError: a name that no file can have
         reason = e.strerror if isinstance(e, OSError) and e.strerror else str(e)
-        raise SpecError("FILE", _SHARED, path, reason.lower()) from None
+        raise SpecError("FILE", _READABLE, _end_of(path), reason.lower()) from None
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as e:
         way_out = f"save it as UTF-8 (byte {e.start} is none)"
-        raise SpecError("FILE", "must be UTF-8 text", path, way_out) from None
+        raise SpecError("FILE", "must be UTF-8 text", _end_of(path), way_out) from None
 
 
 def write_all(directory: str, files: Mapping[str, str | bytes], *, force: bool) -> None:
@@ -32,22 +32,23 @@ def write_all(directory: str, files: Mapping[str, str | bytes], *, force: bool) 
     rename, so a file is there whole or not at all.
     """
     folder = Path(directory)
+    refuse_what_is_there(directory, files, force=force)
     try:
-        _refuse_what_is_there(folder, files, force)
         folder.mkdir(parents=True, exist_ok=True)
         _write(folder, files)
-    except (OSError, ValueError) as e:
-        if isinstance(e, SpecError):
-            raise
-        reason = e.strerror if isinstance(e, OSError) and e.strerror else str(e)
-        bound = "must be a folder that can be written"
-        raise SpecError("--out", bound, directory, reason.lower()) from None
+    except OSError as e:
+        bound, reason = "must be a folder that can be written", e.strerror or str(e)
+        raise SpecError("--out", bound, _end_of(directory), reason.lower()) from None
 
 
-def _refuse_what_is_there(folder: Path, files: Mapping[str, str | bytes], force: bool) -> None:
+def refuse_what_is_there(directory: str, names: Iterable[str], *, force: bool) -> None:
+    """Raise SpecError where a file of these names could not be written there."""
+    folder = Path(directory)
+    if "\0" in directory or not directory:
+        raise SpecError("--out", "must be the name of a folder", directory, "name one")
     if folder.exists() and not folder.is_dir():
-        raise SpecError("--out", "must be a folder", str(folder), "name another one")
-    for name in files:
+        raise SpecError("--out", "must be a folder", _end_of(str(folder)), "name another one")
+    for name in names:
         if Path(name).name != name:
             raise SpecError("file name", "must be a plain name", name, "this is a defect of zoh")
         path = folder / name
@@ -55,9 +56,13 @@ def _refuse_what_is_there(folder: Path, files: Mapping[str, str | bytes], force:
             continue
         if not force:
             bound = "must not hold a file of that name already"
-            raise SpecError("--out", bound, str(path), "add --force, or name another folder")
+            raise SpecError(
+                "--out", bound, _end_of(str(path)), "add --force, or name another folder"
+            )
         if path.is_dir():
-            raise SpecError("--out", "must not hold a folder of that name", str(path), "move it")
+            raise SpecError(
+                "--out", "must not hold a folder of that name", _end_of(str(path)), "move it"
+            )
 
 
 def _write(folder: Path, files: Mapping[str, str | bytes]) -> None:
@@ -73,3 +78,8 @@ def _write(folder: Path, files: Mapping[str, str | bytes]) -> None:
     finally:
         for part in made:
             part.unlink(missing_ok=True)  # our own scratch, after a failure
+
+
+def _end_of(path: str) -> str:
+    """Return the end of a long path, which says more than its beginning."""
+    return path if len(path) <= 55 else "..." + path[-50:]

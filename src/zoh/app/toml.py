@@ -44,6 +44,8 @@ class _Missing:
 
 def tables(text: str) -> "Section":
     """Return the top table of a TOML text."""
+    if not isinstance(text, str):
+        raise SpecError("file", "must be a text", text, "decode it from UTF-8 first")
     if len(text) > LONGEST:
         raise SpecError("file", f"must have {LONGEST} characters or fewer", len(text), "shorten it")
     try:
@@ -75,7 +77,7 @@ class Section:
         names = list(known)
         for key in self.data:
             if key not in names:
-                near = get_close_matches(key, names, n=1)
+                near = get_close_matches(key, names, n=1, cutoff=0.5)  # pm is near pm_deg
                 way_out = f"did you mean {near[0]}?" if near else f"known are {', '.join(names)}"
                 bound = "must be a key that zoh knows"
                 raise SpecError(f"{self.path}{key}", bound, self.data[key], way_out)
