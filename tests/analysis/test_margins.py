@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+
 from zoh.analysis.margins import margins
 from zoh.errors import SpecError
 from zoh.lti.systems import Plant, Sampled
@@ -64,8 +65,10 @@ def test_every_gain_crossing_is_found(measured):
 
 def test_every_phase_crossing_is_found(measured):
     got, truth = measured
-    wanted, limit = pairs(truth["phase_crossings"]), truth.get("limit", inf)
-    found = [c for c in got.phase_crossings if c[0] < limit]
+    wanted, found = pairs(truth["phase_crossings"]), got.phase_crossings
+    if "limit" in truth:  # a dead time crosses without end; beyond a factor of 1000 nobody asks
+        found = [c for c in found if c[0] < truth["limit"] and c[1] < 1000]
+        wanted = [c for c in wanted if c[1] < 1000]
     assert len(found) == len(wanted)
     for (w, k), (w0, k0) in zip(found, wanted, strict=True):
         assert w == pytest.approx(w0, rel=REL)
@@ -126,11 +129,16 @@ def test_matches_hand_worked_margins(loop, stable, gm, wpc, pm_deg, wc):
         assert got.crossover == (None if wc is None else pytest.approx(wc, rel=1e-14))
 
 
-def test_a_loop_touching_one_where_it_starts_is_no_crossing_lost():
+def test_a_loop_that_starts_at_one_does_not_lose_its_margin():
     got = margins(Sampled(num=[0.5], den=[1, -0.5], dt=1.0))  # L(z = 1) = 1 exactly, then below
-    assert got.gain_crossings == ((0.0, 180.0),)
     assert got.delay_margin == inf
     assert got.gain_margin == pytest.approx(3, rel=1e-14)
+
+
+def test_a_loop_that_starts_at_minus_one_has_no_margin():
+    got = margins(Sampled(num=[-0.5], den=[1, -0.5], dt=1.0))  # L(z = 1) = -1 exactly
+    assert (got.stable, got.gain_margin, got.phase_crossover) == (False, 1.0, 0.0)
+    assert got.modulus_margin == pytest.approx(0, abs=1e-15)
 
 
 def test_on_the_boundary_is_not_stable():
@@ -261,17 +269,17 @@ def test_extra_delay_up_to_the_delay_margin_keeps_it_stable(loop):
 
 
 @given(KINDS)
-def test_the_gain_margin_is_where_stability_ends(loop):
-    found = margins(loop)
-    assume(found.stable)
-    assume(1e-3 < found.gain_margin < 1e3)
-    steep(found, loop)
-
+def test_the_least_gain_margin_above_one_is_where_stability_ends(loop):
     def scaled(k):
         return margins(Sampled(num=[k * c for c in loop.num], den=loop.den, dt=loop.dt))
 
-    inside = found.gain_margin ** (1 - 1e-6)
-    assert scaled(inside).stable
+    largest = np.abs(loop.at(np.linspace(0, pi / loop.dt, 300))).max()
+    quiet = scaled(0.5 / largest)  # a stable loop of gain below one is stable in feedback
+    assert quiet.stable
+    if quiet.gain_margin < 1e6:
+        quiet_factor = 0.5 / largest
+        assert scaled(quiet_factor * quiet.gain_margin * (1 - 1e-6)).stable
+        assert not scaled(quiet_factor * quiet.gain_margin * (1 + 1e-6)).stable
 
 
 @given(KINDS)

@@ -5,6 +5,7 @@ import json
 from dataclasses import fields
 
 import pytest
+
 from zoh.analysis.margins import margins
 from zoh.analysis.verify import Measured, Verified, measure, verify
 from zoh.errors import NotMet, SpecError
@@ -68,7 +69,7 @@ def test_the_table_names_every_requirement_but_the_error():
     assert {b[0] for b in BOUNDS} | {"steady_state_error"} == {f.name for f in fields(Requirements)}
 
 
-@pytest.mark.parametrize(("name", "value", "side"), BOUNDS, ids=lambda x: x if isinstance(x, str) else "")
+@pytest.mark.parametrize(("name", "value", "side"), BOUNDS, ids=[b[0] for b in BOUNDS])
 def test_each_requirement_is_asked(name, value, side):
     controller = Sampled(num=[12.0], den=[1], dt=0.1)  # overshoots
     here = value(measure(ARM, controller))
@@ -126,9 +127,10 @@ def test_it_is_frozen():
 
 def test_dict_is_the_contract_form():
     found = verify(ARM, P, law="p", gains={"kp": 4.0}, name="mine").to_dict()
-    assert (found["name"], found["law"], found["feasible"], found["reason"]) == ("mine", "p", True, None)
+    assert (found["name"], found["law"]) == ("mine", "p")
+    assert (found["feasible"], found["reason"]) == (True, None)
     assert found["gains"] == {"kp": 4.0}
-    assert found["controller"] == {"num": [4.0], "den": [1.0], "dt": 0.1}
+    assert found["controller"].items() >= {"num": [4.0], "den": [1.0], "dt": 0.1}.items()
     assert found["margins"]["stable"] is True
     assert {"gain_margin_db", "phase_margin_deg", "crossover", "ms", "mt"} <= set(found["margins"])
     assert {"overshoot_pct", "between_samples", "peak_effort"} <= set(found["step"])

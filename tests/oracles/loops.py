@@ -82,14 +82,19 @@ def robots():
                 top, bottom = top[:-1], bottom[:-1]
             _, _, num_w, den_w, m = exact_hold(num, den, sensor, dt, dead, digits=80)
             held = [as_fractions(a) for a in (num_w, den_w)]
-            exact = [convolve(a, list(map(Fraction, b))) for a, b in zip(held, (top, bottom), strict=True)]
+            given = [[Fraction(c) for c in a] for a in (top, bottom)]
+            exact = [convolve(a, b) for a, b in zip(held, given, strict=True)]
             truth = {"truth_num_w": exact[0], "truth_den_w": exact[1], "delay": m}
             base = {"name": f"{name}, dt {dt:g}", "dt": dt}
-            yield base | truth | {
-                "form": "plant",
-                "plant": [num, den, dead, sensor],
-                "controller_w": [top, bottom],
-            }
+            yield (
+                base
+                | truth
+                | {
+                    "form": "plant",
+                    "plant": [num, den, dead, sensor],
+                    "controller_w": [top, bottom],
+                }
+            )
             if dt in (0.1, 1e-3, 1e-5):  # the same loop as rounded coefficients, in w and in z
                 given = [[float(c) for c in a] for a in exact]
                 yield base | {
@@ -127,7 +132,7 @@ def random_loops(count=110):
         }[kind]
         poles = random_roots(rng, n, radius)
         if rng.random() < 0.4:
-            poles = [1.0] + random_roots(rng, n - 1, radius)
+            poles = [1.0, *random_roots(rng, n - 1, radius)]
         zeros = random_roots(rng, rng.randint(0, n), lambda: rng.uniform(0.1, 1.5))
         gain = 10 ** rng.uniform(-3, 0.5) * rng.choice([1, 1, 1, -1])
         num = [float(gain * c) for c in polynomial(zeros)]
@@ -178,7 +183,8 @@ def continuous_loops():
             poles[0] = 0.0
         if rng.random() < 0.2:
             poles[0] = rng.uniform(0.1, 1)
-        zeros = [rng.choice([-1, -1, 1]) * 10 ** rng.uniform(-1, 2) for _ in range(rng.randint(0, n - 1))]
+        count = rng.randint(0, n - 1)
+        zeros = [rng.choice([-1, -1, 1]) * 10 ** rng.uniform(-1, 2) for _ in range(count)]
         den, num = polynomial(poles), polynomial(zeros)
         gain = 10 ** rng.uniform(-1, 2) * abs(den[-1] or den[-2]) / abs(num[-1])
         yield {"name": f"s: random {i}", "form": "s", "num": [gain * c for c in num], "den": den}

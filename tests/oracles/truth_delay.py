@@ -5,6 +5,7 @@ zeros of den + num exp(-s theta) on the right are counted by the argument princi
 """
 
 import cmath
+from itertools import pairwise
 from math import pi
 
 from mpmath import mp, mpc, mpf
@@ -43,7 +44,12 @@ def with_dead_time(spec, described):
 
 
 def ratio(num, den, s):
-    return mp.polyval([mpf(c) for c in num], s) / mp.polyval([mpf(c) for c in den], s)
+    top, bottom = mpc(0), mpc(0)
+    for c in num:
+        top = top * s + mpf(c)
+    for c in den:
+        bottom = bottom * s + mpf(c)
+    return top / bottom
 
 
 def grid(theta, limit):
@@ -92,7 +98,8 @@ def zeros_on_the_right(num, den, theta):
 
     def f(s):
         top = sum(c * s ** (len(num) - 1 - i) for i, c in enumerate(num))
-        return sum(c * s ** (len(den) - 1 - i) for i, c in enumerate(den)) + top * cmath.exp(-s * theta)
+        bottom = sum(c * s ** (len(den) - 1 - i) for i, c in enumerate(den))
+        return bottom + top * cmath.exp(-s * theta)
 
     radius = 100 * (1 + sum(map(abs, [*num, *den])))
     count = int(radius * theta * 20) + 20000
@@ -101,7 +108,7 @@ def zeros_on_the_right(num, den, theta):
     total = 0.0
     for path in (axis, arc):
         values = [f(s) for s in path]
-        for a, b in zip(values, values[1:], strict=False):
+        for a, b in pairwise(values):
             step = cmath.phase(b / a)
             if abs(step) > 1.5:
                 raise ArithmeticError("the path is too coarse")

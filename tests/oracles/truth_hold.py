@@ -10,6 +10,7 @@ The working precision doubles until two of them agree, so no digit is taken on t
 
 import random
 import sys
+from itertools import pairwise
 
 from mpmath import mp, mpf
 
@@ -93,7 +94,7 @@ def once(num, den, gain, dt, theta):
     for _ in range(n + 1):
         responses.append(sum(row[i] * x[i] for i in range(n)) + direct)
         x = phi * x + gamma
-    pulses = [responses[0]] + [b - a for a, b in zip(responses, responses[1:], strict=False)]
+    pulses = [responses[0]] + [b - a for a, b in pairwise(responses)]
     bottom = characteristic(phi)
     top = [sum(bottom[i] * pulses[j - i] for i in range(j + 1)) for j in range(n + 1)]
     return [mpf(gain) * c for c in top], bottom, m
@@ -153,7 +154,8 @@ def rescaled(a, dt, digits):
 def polynomial(roots):
     out = [1.0]
     for r in roots:
-        out = convolve(out, [1.0, -r] if not isinstance(r, tuple) else [1.0, -2 * r[0], r[0] ** 2 + r[1] ** 2])
+        pair = isinstance(r, tuple)
+        out = convolve(out, [1.0, -2 * r[0], r[0] ** 2 + r[1] ** 2] if pair else [1.0, -r])
     return out
 
 

@@ -8,6 +8,7 @@ anything is decided by less than a millionth is left out, so each answer is beyo
 
 import random
 import sys
+from itertools import pairwise
 
 import numpy as np
 from mpmath import mp, mpf
@@ -104,9 +105,12 @@ def between(loop, final):
     """Return the metrics of the continuous output, or None where one is a close call."""
     nodes = loop.nodes()
     bumps = []
-    for (run, t, y, s), (other, t2, y2, s2) in zip(nodes, nodes[1:], strict=False):
+    for (run, t, y, s), (other, t2, _, s2) in pairwise(nodes):
         if run == other and s * s2 < 0:
-            bumps.append((run, t, t2, (y + y2) / 2 + (s - s2) * float(t2 - t) / 8))
+            width = float(t2 - t)
+            top = s / (s - s2) * width  # where a straight slope is zero
+            about = y + s * top + (s2 - s) * top * top / (2 * width)
+            bumps.append((run, t, t2, about, t + mpf(top)))
     close = [abs(b[3] / float(final) - level) for b in bumps for level in LEVELS]
     if min(close, default=1) < 1e-4:
         return None
@@ -130,7 +134,7 @@ def extreme(loop, nodes, bumps, sign):
     """Return (value, time) of the greatest (sign 1) or least (-1) output."""
     best = max(nodes, key=lambda n: sign * n[2])
     found = [(loop.at(best[0], best[1]), loop.start(best[0]) + best[1])]
-    for run, t, t2, about in bumps:
+    for run, t, t2, about, _ in bumps:
         if sign * about > sign * best[2] - 1e-3 * abs(best[2]) - 1e-12:
             top = solve(lambda x, r=run: loop.slope(r, x), t, t2)
             found.append((loop.at(run, top), loop.start(run) + top))
@@ -139,7 +143,7 @@ def extreme(loop, nodes, bumps, sign):
 
 def with_bumps(nodes, bumps):
     """Return (run, t, y) with the tops of the bumps put in, so no crossing hides under one."""
-    spots = {(run, t): (run, (t + t2) / 2, about) for run, t, t2, about in bumps}
+    spots = {(run, t): (run, top, about) for run, t, _, about, top in bumps}
     for run, t, y, _ in nodes:
         yield run, t, y
         if (run, t) in spots:
@@ -151,7 +155,7 @@ def first(loop, nodes, bumps, level):
     for run, t, y in with_bumps(nodes, bumps):
         if y >= level:
             start = here[1] if here and here[0] == run else mpf(0)
-            return loop.start(run) + solve(lambda x: loop.at(run, x) - level, start, t)
+            return loop.start(run) + solve(lambda x, r=run: loop.at(r, x) - level, start, t)
         here = (run, t)
     raise ArithmeticError("never there")
 
@@ -236,6 +240,11 @@ def at_rest(spec):
     return r * k / (1 + k)
 
 
+def effort_at_rest(spec, final):
+    """Return the input that holds the output where it ends, the limit of u."""
+    return final * mpf(spec["den"][-1]) / (mpf(spec["num"][-1]) * mpf(spec["sensor"]))
+
+
 def one(spec):
     radius = slowest(spec)
     if not 0.05 < radius < 0.992:
@@ -252,7 +261,7 @@ def one(spec):
         return None
     return spec | {
         "final_value": short(final),
-        "peak_effort": short(max(abs(u) for u in loop.u)),
+        "peak_effort": short(max(abs(u) for u in [*loop.u, effort_at_rest(spec, final)])),
         "at_samples": seen,
         "between_samples": dense,
         "y": [short(v) for v in loop.y[:12]],

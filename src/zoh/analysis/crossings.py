@@ -19,6 +19,7 @@ Array = npt.NDArray[np.float64]
 
 # distances from a mode's frequency in units of its damping: near enough to see its peak, far
 # enough to meet the decades grid
+_ONE = 1e-12  # relative distance of crossings that rounding cannot tell apart
 _MOST = 200_000  # points on a dead time's turns; more turns than that are not a control loop
 _AROUND = np.array([-30.0, -10, -4, -2, -1, -0.5, -0.2, 0, 0.2, 0.5, 1, 2, 4, 10, 30])
 
@@ -97,8 +98,8 @@ def bracketed(f: Callable[[float], float], a: float, b: float) -> float:
     Secant steps kept inside the bracket (the Illinois rule), halved where they stall.
     """
     fa, fb = f(a), f(b)
-    if fa == 0 or fb == 0:
-        return a if fa == 0 else b
+    if fa == 0 or fb == 0 or (fa > 0) == (fb > 0):  # a sign lost to rounding: an end is the root
+        return a if abs(fa) <= abs(fb) else b
     for _ in range(200):
         width = b - a
         c = b - fb * width / (fb - fa)
@@ -154,6 +155,6 @@ def merged(found: Iterable[float]) -> list[float]:
     ordered = sorted(found)
     kept = ordered[:1]
     for a, b in pairwise(ordered):
-        if b > a * (1 + 4e-15):
+        if b > a * (1 + _ONE):
             kept.append(b)
     return kept

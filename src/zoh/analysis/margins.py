@@ -86,7 +86,7 @@ def _gain_crossings(
 
     def excess_on(v: Array) -> Array:
         top, bottom = poly.at(loop.num, 1j * v), poly.at(loop.den, 1j * v)
-        return np.abs(top) ** 2 - np.abs(bottom) ** 2
+        return np.asarray(np.abs(top) - np.abs(bottom))
 
     found = merged(sign_changes(excess, excess_on, (grid, suspects(square))))
     crossings = [(loop.frequency(v), _margin_deg(*_at(loop, v))) for v in found]

@@ -72,11 +72,14 @@ class Motion:
         return z
 
     def rates(self) -> Array:
-        """Return log |eigenvalue| and |log eigenvalue| per sample of each mode, shape (N - 1, 2)."""
+        """Return log |z| and |log z| per sample of each mode z, shape (N - 1, 2)."""
         moved = np.linalg.eigvals(self.delta[:-1, :-1])
         with np.errstate(divide="ignore"):
             logs = np.log1p(moved.astype(complex))
-        return np.stack([logs.real, np.abs(logs)], axis=1)
+        decay = np.maximum(
+            logs.real, -1e6
+        )  # a mode at z = 0 is gone at once, not at minus infinity
+        return np.stack([decay, np.where(np.isfinite(logs), np.abs(logs), 1e6)], axis=1)
 
     def jump(self, steps: int) -> Array:
         """Return S with Z(k + steps) = Z(k) + S Z(k), by doubling."""

@@ -55,18 +55,18 @@ class Margins:
             "stable": self.stable,
             "gain_margin": jsonable(self.gain_margin),
             "gain_margin_db": jsonable(self.gain_margin_db),
-            "phase_crossover": self.phase_crossover,
+            "phase_crossover": jsonable(self.phase_crossover),
             "phase_margin_deg": jsonable(self.phase_margin_deg),
-            "crossover": self.crossover,
+            "crossover": jsonable(self.crossover),
             "delay_margin": jsonable(self.delay_margin),
-            "modulus_margin": self.modulus_margin,
+            "modulus_margin": jsonable(self.modulus_margin),
             "ms": jsonable(self.ms),
-            "ms_frequency": self.ms_frequency,
+            "ms_frequency": jsonable(self.ms_frequency),
             "mt": jsonable(self.mt),
-            "mt_frequency": self.mt_frequency,
+            "mt_frequency": jsonable(self.mt_frequency),
             "disk_margin": jsonable(self.disk_margin),
-            "gain_crossings": [list(c) for c in self.gain_crossings],
-            "phase_crossings": [list(c) for c in self.phase_crossings],
+            "gain_crossings": [[jsonable(x) for x in c] for c in self.gain_crossings],
+            "phase_crossings": [[jsonable(x) for x in c] for c in self.phase_crossings],
         }
 
 
@@ -81,7 +81,7 @@ class StepInfo:
     peak, peak_time     the largest size of the response, and when in s
     final_value         what it settles to
     steady_state_error  reference minus final value
-    between_samples     the same, exactly, between the samples too; None where nothing is known there
+    between_samples     the same, exactly, between the samples too; None where that is not known
     peak_effort         the largest |u| asked of the actuator, in input units; None for a bare T
 
     A percentage of a final value of 0, and a time that does not exist, are None: a response that

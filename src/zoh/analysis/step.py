@@ -12,7 +12,7 @@ import numpy as np
 
 from zoh import checks
 from zoh.analysis.loop import Loop
-from zoh.analysis.motion import Array, autonomous, closed_loop, continuous
+from zoh.analysis.motion import Array, Motion, autonomous, closed_loop, continuous
 from zoh.analysis.results import StepInfo
 from zoh.analysis.stability import hurwitz_floats
 from zoh.analysis.waveform import Waveform
@@ -78,15 +78,15 @@ def closed_loop_step(
     largest |u|.
     """
     motion = closed_loop(plant, controller, compute_delay)
-    final = _final_value(plant, controller)
+    final = _gain_at_rest(plant, controller, effort=False)
     track = motion.track()
     wave = Waveform.of(motion, motion.output, track)
     at_samples = _metrics(wave, final, between=False)
     between = _metrics(wave, final, between=True)
-    effort = 0.0
+    effort = abs(_gain_at_rest(plant, controller, effort=True))  # approached, if not passed
     if motion.effort is not None:
         asked = Waveform.of(replace(motion, held=None), motion.effort, track)
-        effort = float(np.abs(asked.y).max())
+        effort = max(effort, float(np.abs(asked.y).max()))
     scaled = _scaled(at_samples, reference)
     return replace(
         scaled, between_samples=_scaled(between, reference), peak_effort=effort * abs(reference)
@@ -111,29 +111,45 @@ def trace(
     count = ceil(t_end / motion.dt * (1 - 1e-12)) + 1
     states = motion.run(motion.start, count)
     t = motion.dt * np.arange(count)
-    times, values = [], []
-    for segment in motion.segments:
-        held = motion.held
-        if held is None:
-            continue
-        rows = np.array([held.c @ s + held.d * segment.input for s in segment.states])
-        times.append(segment.start + segment.times)
-        values.append(states @ rows.T)
-    dense = (np.arange(count)[:, None] + np.concatenate(times)[None, :]) * motion.dt
+    times, rows = _between(motion, per_sample)
+    dense = (np.arange(count)[:, None] + times[None, :]) * motion.dt
     effort = motion.output * 0 if motion.effort is None else motion.effort
     return Trace(
         t=_frozen(t),
         y=_frozen(reference * (states @ motion.output)),
         u=_frozen(reference * (states @ effort)),
         t_between=_frozen(dense.ravel()),
-        y_between=_frozen(reference * np.concatenate(values, axis=1).ravel()),
+        y_between=_frozen(reference * (states @ rows.T).ravel()),
     )
 
 
-def _final_value(plant: Plant, controller: Sampled) -> float:
-    """Return L/(1 + L) at rest, where the held plant's gain is the plant's own."""
+def _between(motion: Motion, per_sample: int) -> tuple[Array, Array]:
+    """Return (fractions of a sample, rows on Z that give y there), per_sample or more."""
+    held = motion.held
+    if held is None:
+        return np.zeros(1), motion.output[None, :]
+    times, rows = [], []
+    for segment in motion.segments:
+        split = max(1, ceil(per_sample / (len(segment.times) - 1)))
+        for j, h in enumerate(np.diff(segment.times)):
+            for part in range(split):
+                delta, gamma = held.move(float(h) * part / split)
+                x = segment.states[j] + delta @ segment.states[j] + np.outer(gamma, segment.input)
+                times.append(segment.start + float(segment.times[j]) + float(h) * part / split)
+                rows.append(held.c @ x + held.d * segment.input)
+        times.append(segment.start + float(segment.times[-1]))
+        rows.append(held.c @ segment.states[-1] + held.d * segment.input)
+    return np.array(times), np.array(rows)
+
+
+def _gain_at_rest(plant: Plant, controller: Sampled, *, effort: bool) -> float:
+    """Return what y, or u, settles to: C P/(1 + C P) or C/(1 + C P) at w = 0.
+
+    At rest a held plant has the plant's own gain.
+    """
     top = controller.num_w[-1] * plant.sensor * plant.num[-1]
-    return top / (top + controller.den_w[-1] * plant.den[-1])
+    bottom = controller.den_w[-1] * plant.den[-1]
+    return (controller.num_w[-1] * plant.den[-1] if effort else top) / (top + bottom)
 
 
 def _metrics(wave: Waveform, final: float, *, between: bool) -> StepInfo:

@@ -186,10 +186,16 @@ def _verdict(project: Project, entries: Sequence[Entry]) -> int:
 def _console() -> Any:
     from rich.console import Console
 
+    class Pipe(Console):
+        """A console that leaves a closed pipe to ``main``; rich would exit with 1."""
+
+        def on_broken_pipe(self) -> None:
+            raise BrokenPipeError
+
     # a pipe has no width of its own, and a terminal that cannot show a sign gets a "?"
     if hasattr(sys.stdout, "reconfigure"):
         sys.stdout.reconfigure(errors="replace")
-    return Console(file=sys.stdout, highlight=False, markup=False, emoji=False)
+    return Pipe(file=sys.stdout, highlight=False, markup=False, emoji=False)
 
 
 def _json(value: Mapping[str, Any]) -> str:

@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from decimal import Decimal
 from difflib import get_close_matches
+from re import search
 from typing import Any
 
 from zoh import checks
@@ -53,7 +54,14 @@ def tables(text: str) -> "Section":
     except RecursionError:
         raise SpecError("file", "must not nest so deeply", "TOML", "flatten it") from None
     except ValueError as e:  # TOMLDecodeError, and whole numbers of thousands of digits
-        raise SpecError("file", "must be TOML", str(e), "correct it at that place") from None
+        raise SpecError("file", "must be TOML", _line_of(text, str(e)), str(e)) from None
+
+
+def _line_of(text: str, message: str) -> str:
+    """Return the line that tomllib complains about; the last one where it names none."""
+    lines = text.splitlines() or [""]
+    found = search(r"at line ([0-9]+)", message)
+    return lines[min(int(found[1]), len(lines)) - 1 if found else -1]
 
 
 @contextmanager

@@ -135,8 +135,8 @@ class Plant:
         """Return the complex gain at wc in rad/s, a number or an array; infinite at a pole."""
         w = np.asarray(wc, float)
         s = 1j * w
-        value = _quotient(poly.at(self.num, s), poly.at(self.den, s))
-        value = self.sensor * value * np.exp(-s * self.dead_time)
+        top = self.sensor * poly.at(self.num, s) * np.exp(-s * self.dead_time)
+        value = _quotient(top, poly.at(self.den, s))
         return complex(value) if w.ndim == 0 else value
 
     def poles(self) -> ComplexArray:
@@ -228,9 +228,8 @@ class Sampled:
         sin, cos = 2 / self.dt * np.sin(w * self.dt / 2), np.cos(w * self.dt / 2)
         size = np.hypot(sin, cos)
         x, y = 1j * sin / size, cos / size  # v = x/y; Nyquist is y = 0, no overflow there
-        value = _quotient(_homogeneous(self.num_w, x, y), _homogeneous(self.den_w, x, y))
-        if self.delay:
-            value = value * np.exp(-1j * w * self.dt * self.delay)
+        top = _homogeneous(self.num_w, x, y) * np.exp(-1j * w * self.dt * self.delay)
+        value = _quotient(top, _homogeneous(self.den_w, x, y))
         return complex(value) if w.ndim == 0 else value
 
     def __mul__(self, other: "Sampled") -> "Sampled":
@@ -258,7 +257,8 @@ class Sampled:
     def zeros(self) -> ComplexArray:
         """Return the finite zeros in z."""
         found = _in_z(self.num_w, self.dt)
-        return found[np.isfinite(found)]
+        # in w a zero at z = infinity is one at 2/dt: those that num does not have are such
+        return found[np.argsort(np.abs(found))][: len(self.num) - 1]
 
 
 def sample_time(dt: object) -> float:

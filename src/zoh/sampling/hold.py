@@ -14,7 +14,7 @@ z-Transform Method (modified z-transform).
 """
 
 from collections.abc import Sequence
-from decimal import Decimal
+from decimal import Decimal, getcontext
 from itertools import pairwise
 from math import ceil, ulp
 
@@ -70,14 +70,17 @@ def _rounded(
     half = Decimal(dt) / 2
     den_p = tuple(c * 2**k for c in to_bilinear(den1_z, n - k)) + (_ZERO,) * k
     num_p = list(to_bilinear(num_z, n))
-    for i in range(min(step.zeros_at_origin, k + 1)):
-        num_p[n - i] = _ZERO  # a zero at s = 0 is a zero at z = 1, exactly
+    # what cancels exactly leaves rounding behind; no true coefficient is anywhere near as small
+    nothing = max(abs(c) for c in num_z) * Decimal(10) ** (30 - getcontext().prec)
+    for i in range(n + 1):
+        if abs(num_p[i]) < nothing or n - i < min(step.zeros_at_origin, k + 1):
+            num_p[i] = _ZERO  # the second: a zero at s = 0 is a zero at z = 1
     scale = [half ** (n - i) for i in range(n + 1)]
     unit = next(d * s for d, s in zip(den_p, scale, strict=True) if d)
     try:
         return Sampled.made(
-            num=digits.rounded(num_z),
-            den=digits.rounded(den_z) + (0.0,) * m,
+            num=tuple(_finite(c) for c in num_z),
+            den=tuple(_finite(c) for c in den_z) + (0.0,) * m,
             dt=dt,
             num_w=tuple(_finite(c * s / unit) for c, s in zip(num_p, scale, strict=True)),
             den_w=tuple(_finite(c * s / unit) for c, s in zip(den_p, scale, strict=True)),

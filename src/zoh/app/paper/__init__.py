@@ -6,10 +6,8 @@ as pages and figures. The paper's own recipe lives here and nowhere else in the 
 
 from typing import TYPE_CHECKING, Any
 
-from zoh.app.paper.checks import UNEXPLAINED, checks
-from zoh.app.paper.findings import findings
-from zoh.app.paper.study import Study, study
-from zoh.app.paper.table import three_ways
+from zoh.app.paper import checks, findings, study, table
+from zoh.app.paper.study import Study
 from zoh.errors import Infeasible
 
 if TYPE_CHECKING:
@@ -20,28 +18,26 @@ __all__ = ["report", "run", "summary"]
 
 def run() -> dict[str, Any]:
     """Return the JSON object of ``zoh paper --json``."""
-    found = study()
-    checked = checks(found)
+    found = study.study()
+    checked = checks.checks(found)
     return {
         "checks": [check.to_dict() for check in checked],
-        "unexplained": [check.id for check in checked if check.verdict == UNEXPLAINED],
-        "findings": [
-            {"name": f.name, "ids": list(f.ids), "sentence": f.sentence} for f in findings(found)
-        ],
+        "unexplained": [check.id for check in checked if check.verdict == checks.UNEXPLAINED],
+        "findings": [finding.to_dict() for finding in findings.findings(found)],
         "designs_as_printed": [d.to_dict() for d in found.as_printed.values()],
         "designs_as_typed_in": [d.to_dict() for d in found.as_typed.values()],
         "plant_as_typed_in": _typed_plant(found),
         "designs_exact": [d.to_dict() for d in found.exact.values()],
         "lag_refused": _refusal(found.refused),
-        "table_1": three_ways(found),
+        "table_1": table.three_ways(found),
     }
 
 
 def report(result: dict[str, Any]) -> dict[str, str | bytes]:
     """Return {file name: content}: REPORT.md and every figure as SVG and PNG."""
-    from zoh.app.paper.report import pages
+    from zoh.app.paper.pages import pages
 
-    return pages(result, study())
+    return pages(result, study.study())
 
 
 def summary(result: dict[str, Any]) -> "Group":

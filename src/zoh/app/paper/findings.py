@@ -4,6 +4,7 @@ from cmath import phase
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import degrees
+from typing import Any
 
 from zoh.app.paper import recipe, table
 from zoh.app.paper.printed import LAWS, MARGIN_ASKED_DEG, METRICS, value
@@ -26,6 +27,10 @@ class Finding:
     ids: tuple[str, ...]
     verdict: str
     sentence: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON form; the verdict stands with each number."""
+        return {"name": self.name, "ids": list(self.ids), "sentence": self.sentence}
 
 
 def findings(found: Study) -> tuple[Finding, ...]:
