@@ -57,10 +57,10 @@ def _delay_grid(loop: Loop, v: Array) -> Array:
         loud = v[top > 1e-3 * bottom]
         reach = (loud[-1] if loud.size else 0.0) + 4 * pi / loop.dead_time
         turn = 0.2 / loop.dead_time
-        return turn * np.arange(1, min(_MOST, int(reach / turn)) + 2)
+        return np.asarray(turn * np.arange(1, min(_MOST, int(reach / turn)) + 2), float)
     turns = loop.dead_time / loop.dt
     half = np.arange(1, int(turns * pi / 0.2) + 2) * 0.1 / turns
-    return 2 / loop.dt * np.tan(half[half < pi / 2])
+    return np.asarray(2 / loop.dt * np.tan(half[half < pi / 2]), float)
 
 
 def suspects(a: poly.Poly) -> Array:

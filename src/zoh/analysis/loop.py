@@ -46,7 +46,9 @@ class Loop:
                     _dt(system),
                     "zoh.sample the plant with the controller's dt",
                 )
-        num, den, dead_time = (1.0,), (1.0,), 0.0
+        num: Poly = (1.0,)
+        den: Poly = (1.0,)
+        dead_time = 0.0
         for system in systems:
             top, bottom, wait = _parts(system)
             num, den = poly.times(num, top), poly.times(den, bottom)

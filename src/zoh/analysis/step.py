@@ -110,7 +110,7 @@ def trace(
     motion = closed_loop(plant, controller, compute_delay)
     count = ceil(t_end / motion.dt * (1 - 1e-12)) + 1
     states = motion.run(motion.start, count)
-    t = motion.dt * np.arange(count)
+    t = np.asarray(motion.dt * np.arange(count), float)
     times, rows = _between(motion, per_sample)
     dense = (np.arange(count)[:, None] + times[None, :]) * motion.dt
     effort = motion.output * 0 if motion.effort is None else motion.effort

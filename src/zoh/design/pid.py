@@ -34,13 +34,12 @@ class PID:
 
     def controller(self) -> Sampled:
         """Return kp + ki/w + kd w/(1 + w dt/2); without the integrator where ki is 0."""
-        half = self.dt / 2
+        half, lead = self.dt / 2, self.kp * self.dt / 2 + self.kd
         if self.ki == 0:
-            num, den = (self.kp * half + self.kd, self.kp), (half, 1.0)
-        else:
-            num = (self.kp * half + self.kd, self.kp + self.ki * half, self.ki)
-            den = (half, 1.0, 0.0)
-        return Sampled.from_w(num_w=num, den_w=den, dt=self.dt)
+            return Sampled.from_w(num_w=(lead, self.kp), den_w=(half, 1.0), dt=self.dt)
+        return Sampled.from_w(
+            num_w=(lead, self.kp + self.ki * half, self.ki), den_w=(half, 1.0, 0.0), dt=self.dt
+        )
 
 
 def phases(target: Target, ki: float) -> Phases:

@@ -13,12 +13,15 @@ on digital controller design by frequency response.
 from cmath import phase
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import degrees, isfinite, pi, radians, remainder, tau
+from math import degrees, pi, radians, remainder, tau
 
 from zoh.errors import Infeasible, SpecError
+from zoh.lti.poly import at
 from zoh.lti.systems import Sampled
 from zoh.lti.wplane import warp
 from zoh.spec import Crossover
+
+_CANCELLED = 1e-13  # of its terms: what is left of a polynomial at its own root, in floats
 
 Phases = tuple[float, float] | None  # an open interval in rad, None where a law can give nothing
 
@@ -42,17 +45,17 @@ class Target:
     def of(cls, plant: Sampled, spec: Crossover) -> "Target":
         """Return the target; raise SpecError where wc is not below Nyquist or G(wc) is no gain."""
         spec.below_nyquist(plant.dt)
-        g = plant.at(spec.wc)
-        size = abs(g)
-        if not (size > 0 and isfinite(size)):
-            raise SpecError(
-                "wc",
-                f"must be where the plant has a gain, not {size:g}",
-                spec.wc,
-                "the plant has a zero or a pole on the unit circle there; move wc",
-            )
+        g, v = plant.at(spec.wc), warp(spec.wc, plant.dt)
+        for what, part in (("zero", plant.num_w), ("pole", plant.den_w)):
+            if abs(at(part, 1j * v)) <= _CANCELLED * at([abs(c) for c in part], v):
+                raise SpecError(
+                    "wc",
+                    f"must be where the plant has a gain, not at a {what} on the unit circle",
+                    spec.wc,
+                    "move wc away from it",
+                )
         theta = remainder(radians(spec.pm_deg - 180) - phase(g), tau)
-        return cls(v=warp(spec.wc, plant.dt), size=size, theta=theta, dt=plant.dt)
+        return cls(v=v, size=abs(g), theta=theta, dt=plant.dt)
 
     def inside(self, phases: Phases) -> bool:
         """Return whether the phase needed lies in an open interval."""

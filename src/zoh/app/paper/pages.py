@@ -3,10 +3,10 @@
 from typing import Any
 
 from zoh.app.paper.gallery import Drawing, drawings
-from zoh.app.paper.printed import LAWS, METRICS, NUMBERS
+from zoh.app.paper.printed import LAWS, METRICS
 from zoh.app.paper.recipe import ARM, DT
 from zoh.app.paper.study import NAMES, Study
-from zoh.app.paper.terminal import WAYS, WORDS, counted, lag_sentence, text_of
+from zoh.app.paper.terminal import WAYS, WORDS, counted, lag_sentence, printed_text, text_of
 from zoh.report.document import Files, drawn, picture
 from zoh.report.figures import render
 from zoh.report.text import design_table, in_w, in_z, number, table
@@ -81,8 +81,7 @@ def _laws(result: dict[str, Any], found: Study) -> str:
 def _checked(result: dict[str, Any]) -> str:
     rows = []
     for check in result["checks"]:
-        entry = NUMBERS.get(check["id"])
-        printed = entry.text if entry else str(check["printed"])
+        printed = printed_text(check)
         good = check["verdict"] == "reproduced"
         verdict = check["verdict"] if good else f"**{check['verdict']}**"
         again = text_of(check["recomputed"])

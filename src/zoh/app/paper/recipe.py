@@ -26,11 +26,13 @@ class Recipe:
 
     law         none, lag, lead, pi or pid, as the paper calls it
     parameters  every intermediate number that the paper prints on the way, by printed key
+    gains       what describes the controller, in SI units
     controller  D(z)
     """
 
     law: str
     parameters: Mapping[str, float]
+    gains: Mapping[str, float]
     controller: Sampled
 
 
@@ -52,7 +54,9 @@ def lag(*, wc: float, dc_gain: float) -> Recipe:
     wp = w0 / (dc_gain * abs(_response(wc)))
     gain, zero, pole = first_order(dc_gain, w0, wp)
     controller = Sampled(num=(gain, -gain * zero), den=(1.0, -pole), dt=DT)
-    return Recipe(law="lag", parameters={"w0": w0, "wp": wp}, controller=controller)
+    corners = {"w0": w0, "wp": wp}
+    gains = {"dc_gain": dc_gain, **corners}
+    return Recipe(law="lag", parameters=corners, gains=gains, controller=controller)
 
 
 def lead(*, wc: float, pm_deg: float, dc_gain: float, v: float | None = None) -> Recipe:
@@ -69,7 +73,8 @@ def lead(*, wc: float, pm_deg: float, dc_gain: float, v: float | None = None) ->
     parameters = {"theta_r_deg": degrees(theta), "cos_theta_r": cos(theta), "a1": a1, "b1": b1}
     parameters |= {"w0": w0, "wp": wp, "D_gain": gain, "D_zero": zero, "D_pole": pole}
     controller = Sampled(num=(gain, -gain * zero), den=(1.0, -pole), dt=DT)
-    return Recipe(law="lead", parameters=parameters, controller=controller)
+    gains = {"dc_gain": dc_gain, "w0": w0, "wp": wp}
+    return Recipe(law="lead", parameters=parameters, gains=gains, controller=controller)
 
 
 def proportional_integral(*, wc: float, pm_deg: float) -> Recipe:
@@ -80,6 +85,7 @@ def proportional_integral(*, wc: float, pm_deg: float) -> Recipe:
     return Recipe(
         law="pi",
         parameters={"theta_r_deg": degrees(theta), "KP": kp, "KI": ki},
+        gains={"kp": kp, "ki": ki},
         controller=Sampled(num=(kp + half, half - kp), den=(1.0, -1.0), dt=DT),
     )
 
@@ -94,6 +100,7 @@ def three_terms(*, wc: float, pm_deg: float, ki: float) -> Recipe:
     return Recipe(
         law="pid",
         parameters={"theta_r_deg": degrees(theta), "KP": kp, "KD": kd},
+        gains={"kp": kp, "ki": ki, "kd": kd},
         controller=Sampled(
             num=(kp + half + slope, half - kp - 2 * slope, slope), den=(1.0, -1.0, 0.0), dt=DT
         ),
@@ -102,7 +109,8 @@ def three_terms(*, wc: float, pm_deg: float, ki: float) -> Recipe:
 
 def nothing() -> Recipe:
     """Return D(z) = 1."""
-    return Recipe(law="none", parameters={}, controller=Sampled(num=(1.0,), den=(1.0,), dt=DT))
+    unity = Sampled(num=(1.0,), den=(1.0,), dt=DT)
+    return Recipe(law="none", parameters={}, gains={}, controller=unity)
 
 
 def sample_time_behind(pole_s: float, pole_z: float) -> float:

@@ -58,9 +58,14 @@ def study() -> Study:
     )
     return Study(
         recipes=recipes,
-        as_printed={law: _measured(r.controller, law, "as printed") for law, r in recipes.items()},
+        as_printed={
+            law: _measured(r.controller, law, "as printed", r.gains) for law, r in recipes.items()
+        },
         as_typed={law: _measured(d, law, "as typed in") for law, d in _typed_in().items()},
-        twice={law: _measured(recipes[law].controller, law, "sensor twice") for law in LAWS},
+        twice={
+            law: _measured(recipes[law].controller, law, "sensor twice", plant=ARM_TWICE)
+            for law in LAWS
+        },
         exact=_exact(),
         refused=_refused(),
         printed_plant=(typed, margins(typed)),
@@ -93,9 +98,15 @@ def _typed_in() -> dict[str, Sampled]:
     return {law: made[law] for law in LAWS}
 
 
-def _measured(controller: Sampled, law: str, reading: str) -> Measured:
-    plant = ARM_TWICE if reading == "sensor twice" else ARM
-    return measure(plant, controller, law=law, name=f"{NAMES[law]}, {reading}")
+def _measured(
+    controller: Sampled,
+    law: str,
+    reading: str,
+    gains: Mapping[str, float] | None = None,
+    plant: Plant = ARM,
+) -> Measured:
+    name = f"{NAMES[law]}, {reading}"
+    return measure(plant, controller, law=law, gains=gains, name=name)
 
 
 def _exact() -> dict[str, Verified]:

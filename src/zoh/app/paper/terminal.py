@@ -6,7 +6,7 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
-from zoh.app.paper.printed import LAWS, METRICS
+from zoh.app.paper.printed import LAWS, METRICS, NUMBERS
 from zoh.app.paper.study import NAMES
 from zoh.report.text import number
 
@@ -51,23 +51,28 @@ def lag_sentence(result: dict[str, Any]) -> str:
 
 
 def _checks(result: dict[str, Any]) -> Table:
-    table = Table(title="The paper's numbers", title_justify="left")
-    for column in ("number", "place", "printed", "recomputed", "verdict"):
-        table.add_column(column, justify="right" if column == "recomputed" else "left")
+    table = Table(title="The paper's numbers", title_justify="left", box=None, pad_edge=False)
+    for column in ("number", "printed", "recomputed", "verdict"):
+        table.add_column(column, overflow="fold")
     for check in result["checks"]:
         good = check["verdict"] == "reproduced"
         table.add_row(
             check["id"],
-            check["place"],
-            text_of(check["printed"]),
+            printed_text(check),
             text_of(check["recomputed"]),
             Text(check["verdict"], "green" if good else "bold yellow"),
         )
     return table
 
 
+def printed_text(check: dict[str, Any]) -> str:
+    """Return a printed number as it stands on the page, last zeros included."""
+    entry = NUMBERS.get(check["id"])
+    return entry.text if entry else str(check["printed"])
+
+
 def text_of(value: float | str | None) -> str:
-    """Return a printed or recomputed value with two digits more than the paper gives."""
+    """Return a recomputed value with the digits that the paper gives, and more."""
     return value if isinstance(value, str) else number(value, 7)
 
 
