@@ -24,7 +24,10 @@ def main() -> int:
     parser.add_argument("--rounds", type=int, default=21)
     parser.add_argument("--limit", type=float)
     args = parser.parse_args()
-    watch = f"import sys, zoh; bad = [m for m in {NEVER!r} if m in sys.modules]; sys.exit(str(bad) if bad else 0)"
+    watch = (
+        f"import sys, zoh; bad = [m for m in {NEVER!r} if m in sys.modules];"
+        "sys.exit(str(bad) if bad else 0)"
+    )
     subprocess.run([sys.executable, "-c", watch], check=True)
     print(f"import zoh imports none of: {', '.join(NEVER)}")
     numpy, zoh = [], []

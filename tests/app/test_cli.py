@@ -337,6 +337,11 @@ def test_without_matplotlib_it_says_what_brings_it(good, run, tmp_path, monkeypa
     [
         (KeyboardInterrupt(), 130, ""),
         (BrokenPipeError(), 141, ""),
+        (
+            FloatingPointError("overflow"),
+            2,
+            "zoh: error: the file must stay within a float's range",
+        ),
         (MemoryError(), 2, "zoh: error: this needs more memory"),
         (PermissionError(13, "Permission denied", "x"), 2, "zoh: error: x: permission denied\n"),
         (ZohError("two\nlines"), 2, "zoh: error: two lines\n"),

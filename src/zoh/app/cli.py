@@ -11,6 +11,8 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NoReturn
 
+import numpy as np
+
 import zoh
 from zoh.app import files
 from zoh.app.commands import Entry, check_all, design_all, hidden_instability, to_dict, warnings
@@ -34,7 +36,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; no traceback, whatever comes in."""
     arguments = _parser().parse_args(argv)
     try:
-        code: int = arguments.run(arguments)
+        # an overflow that nobody foresaw is an error here, never a number
+        with np.errstate(over="raise", invalid="raise", divide="raise"):
+            code: int = arguments.run(arguments)
         sys.stdout.flush()  # a reader that left is noticed here, not at exit
     except BrokenPipeError:
         _abandon_stdout()
@@ -45,6 +49,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fail(NOT_MET, str(e))
     except ZohError as e:
         return _fail(BAD_INPUT, str(e))
+    except (FloatingPointError, np.linalg.LinAlgError) as e:
+        way_out = "use units that bring its numbers nearer to 1"
+        return _fail(BAD_INPUT, f"the file must stay within a float's range, {e}: {way_out}")
     except MemoryError:
         return _fail(BAD_INPUT, "this needs more memory than there is: ask for less at once")
     except OSError as e:
