@@ -5,17 +5,22 @@ v = w and psi = v dead_time. A sampled loop has v = (2/dt) tan(w dt/2), so that 
 Nyquist frequency, and psi = delay w dt. Everything that is measured is measured here.
 """
 
+from cmath import exp
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import atan, inf
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from zoh.errors import SpecError
 from zoh.lti import poly
 from zoh.lti.poly import Poly
 from zoh.lti.systems import Plant, Sampled
+
+Array = npt.NDArray[np.float64]
+ComplexArray = npt.NDArray[np.complex128]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,23 +78,33 @@ class Loop:
             return self.dead_time
         return self.dead_time / (1 + (v * self.dt / 2) ** 2)
 
-    def parts(self, v: Any) -> tuple[Any, Any]:
-        """Return (num(jv) exp(-j psi), den(jv)) at v, a finite number or an array."""
-        s = 1j * v
-        top, bottom = poly.at(self.num, s), poly.at(self.den, s)
+    def parts(self, v: Array) -> tuple[ComplexArray, ComplexArray]:
+        """Return (num(jv) exp(-j psi), den(jv)) at an array of v, both over |1 + jv|**n.
+
+        Only their ratio and the signs of what is made of both are meant: the common factor keeps
+        high powers of a high frequency within a float.
+        """
+        size = np.hypot(1.0, v)
+        x, y = 1j * v / size, 1 / size
+        top, bottom = poly.homogeneous(self.num, x, y), poly.homogeneous(self.den, x, y)
         if self.dead_time:
             top = top * np.exp(-1j * self.psi(v))
         return top, bottom
 
-    def slopes(self, v: float) -> tuple[complex, complex]:
-        """Return the derivatives of ``parts`` with respect to v."""
-        s = 1j * v
-        top = 1j * poly.at(poly.derivative(self.num), s)
-        bottom = 1j * poly.at(poly.derivative(self.den), s)
+    def point(self, v: float) -> tuple[complex, complex]:
+        """Return (num(jv) exp(-j psi), den(jv)) at one v."""
+        top, bottom = scalar(self.num, v), scalar(self.den, v)
+        return (top * exp(-1j * self.psi(v)) if self.dead_time else top), bottom
+
+    def slopes(self, v: float) -> tuple[complex, complex, complex, complex]:
+        """Return ``point`` and its derivatives with respect to v: (top, bottom, dtop, dbottom)."""
+        top, dtop = _with_slope(self.num, v)
+        bottom, dbottom = _with_slope(self.den, v)
         if self.dead_time:
-            turned = complex(np.exp(-1j * self.psi(v)))
-            top = (top - 1j * self.psi_slope(v) * poly.at(self.num, s)) * turned
-        return top, bottom
+            turned = exp(-1j * self.psi(v))
+            dtop = (dtop - 1j * self.psi_slope(v) * top) * turned
+            top = top * turned
+        return top, bottom, dtop, dbottom
 
     def ends(self) -> tuple[tuple[float, float, float], ...]:
         """Return (v, num, den) where the loop is real whatever it is: v = 0 and infinity.
@@ -121,6 +136,15 @@ def scalar(a: Sequence[float], v: float) -> complex:
     for c in a[1:]:
         re, im = c - im * v, re * v
     return complex(re, im)
+
+
+def _with_slope(a: Sequence[float], v: float) -> tuple[complex, complex]:
+    """Return a(j v) and its derivative with respect to v."""
+    s, value, slope = complex(0.0, v), complex(a[0]), 0j
+    for c in a[1:]:
+        slope = slope * s + value
+        value = value * s + c
+    return value, 1j * slope
 
 
 def _dt(system: Plant | Sampled | None) -> float | None:

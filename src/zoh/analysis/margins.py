@@ -8,22 +8,24 @@ sensitivity peaks); P. Seiler, A. Packard, P. Gahinet, An Introduction to Disk M
 Control Systems 40(5), 2020, eq. (5) with sigma = 0.
 """
 
-from cmath import exp, phase
-from collections.abc import Callable
-from math import comb, degrees, inf, log, pi, radians, tau
+from cmath import phase
+from dataclasses import dataclass
+from math import comb, degrees, inf, isnan, log, radians, tau
 
 import numpy as np
 
-from zoh.analysis.crossings import Array, landmarks, least, merged, sign_changes, suspects
-from zoh.analysis.loop import Loop, scalar
+from zoh.analysis.crossings import landmarks, least, sign_changes, suspects
+from zoh.analysis.loop import Array, ComplexArray, Loop, scalar
 from zoh.analysis.results import Margins
 from zoh.analysis.stability import closed_loop_stable
+from zoh.errors import SpecError
 from zoh.lti import poly
 from zoh.lti.poly import Poly
 from zoh.lti.systems import Plant, Sampled
 
 _EXPANDED = 12  # samples of delay multiplied into a polynomial to find its roots
 _TOUCHES = 4e-15  # |L| this near to 1 at an end of the axis is 1: a few roundings, and
+_AT_A_ROOT = 1e-13  # of its terms: what num conj den is, in floats, at a root of num or den
 _BLUR = 1e-6  # the crossing they make up this near to it (|L| is flat there) is none
 
 
@@ -33,6 +35,7 @@ def margins(loop: Plant | Sampled) -> Margins:
     Frequencies are real ones in rad/s, below or at Nyquist's. Raises SpecError for anything
     that is no system.
 
+    >>> from math import pi
     >>> m = margins(Sampled(num=[0.1], den=[1, -0.9], dt=1.0))  # leaves at z = -1
     >>> round(m.gain_margin, 12), m.phase_crossover == pi
     (19.0, True)
@@ -41,15 +44,29 @@ def margins(loop: Plant | Sampled) -> Margins:
 
 
 def measure_loop(loop: Loop) -> Margins:
-    """Return the margins of a loop on its frequency axis."""
-    grid = landmarks(loop)
-    by_phase = _phase_crossings(loop, grid)
-    by_gain = _gain_crossings(loop, grid, by_phase)
+    """Return the margins of a loop on its frequency axis; raise SpecError beyond floats."""
+    with np.errstate(all="ignore"):  # what overflows is looked for below
+        found = _measured(loop)
+    numbers = [found.gain_margin, found.phase_margin_deg, found.modulus_margin, found.mt]
+    if any(isnan(x) for x in [*numbers, found.disk_margin]):
+        raise SpecError(
+            "L",
+            "must have gains that a 64-bit float can hold",
+            [*loop.num, *loop.den],
+            "use other units for the signals or for time",
+        )
+    return found
+
+
+def _measured(loop: Loop) -> Margins:
+    seen = _Seen.of(loop)
+    by_phase = _phase_crossings(seen)
+    by_gain = _gain_crossings(seen, by_phase)
     nearest_gain = min(by_phase, key=lambda c: abs(log(c[1])), default=(None, inf))
     nearest_phase = min(by_gain, key=lambda c: abs(c[1]), default=(None, inf))
-    modulus = _least_ratio(loop, grid, 1.0, _den)
-    complementary = _least_ratio(loop, grid, 1.0, _num)
-    disk = _least_ratio(loop, grid, 1.0, _other)
+    modulus = _least_ratio(seen, 0.0, 1.0)
+    complementary = _least_ratio(seen, 1.0, 0.0)
+    disk = _least_ratio(seen, -1.0, 1.0)
     return Margins(
         stable=closed_loop_stable(loop),
         gain_margin=nearest_gain[1],
@@ -67,29 +84,50 @@ def measure_loop(loop: Loop) -> Margins:
     )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Seen:
+    """A loop looked at wherever something may happen.
+
+    v            frequencies, ascending: the landmarks and near every root below
+    top, bottom  num and den there
+    square       |num|^2 - |den|^2 as a polynomial in q = v^2
+    turn         Im(num conj den)/v in q; short delays are in it, long ones are not
+    """
+
+    loop: Loop
+    v: Array
+    top: ComplexArray
+    bottom: ComplexArray
+    square: Poly
+    turn: Poly
+
+    @classmethod
+    def of(cls, loop: Loop) -> "_Seen":
+        square = poly.plus(poly.size_squared(loop.num), poly.size_squared(loop.den), -1.0)
+        turn = _turning(loop)
+        v = np.unique(np.concatenate([landmarks(loop), suspects(square), suspects(turn)]))
+        v = v[np.isfinite(v) & (v > 0)]
+        top, bottom = loop.parts(v)
+        return cls(loop=loop, v=v, top=top, bottom=bottom, square=square, turn=turn)
+
+
 def _delay(w: float, pm_deg: float) -> float:
     """Return the delay in s that turns the loop at w rad/s onto -1."""
     return radians(pm_deg) % tau / w
 
 
-def _gain_crossings(
-    loop: Loop, grid: Array, by_phase: list[tuple[float, float]]
-) -> list[tuple[float, float]]:
+def _gain_crossings(seen: _Seen, by_phase: list[tuple[float, float]]) -> list[tuple[float, float]]:
     """Return (frequency, phase margin in deg) wherever |L| passes through 1."""
-    square = poly.plus(poly.size_squared(loop.num), poly.size_squared(loop.den), -1.0)
-    if not any(square):  # |L| is 1 everywhere: what counts is where L is -1
+    loop = seen.loop
+    if not any(seen.square):  # |L| is 1 everywhere: what counts is where L is -1
         return [(w, 0.0) for w, _ in by_phase]
 
     def excess(v: float) -> float:
-        top, bottom = scalar(loop.num, v), scalar(loop.den, v)
-        return _square(top) - _square(bottom)
+        return abs(scalar(loop.num, v)) - abs(scalar(loop.den, v))
 
-    def excess_on(v: Array) -> Array:
-        top, bottom = poly.at(loop.num, 1j * v), poly.at(loop.den, 1j * v)
-        return np.asarray(np.abs(top) - np.abs(bottom))
-
-    found = merged(sign_changes(excess, excess_on, (grid, suspects(square))))
-    crossings = [(loop.frequency(v), _margin_deg(*_at(loop, v))) for v in found]
+    signs = np.sign(np.abs(seen.top) - np.abs(seen.bottom))
+    found = sign_changes(excess, seen.v, signs)
+    crossings = [(loop.frequency(v), _margin_deg(*loop.point(v))) for v in found]
     for v, top, bottom in loop.ends():
         if not bottom or abs(abs(top / bottom) - 1) > _TOUCHES:
             continue
@@ -100,54 +138,52 @@ def _gain_crossings(
     return sorted(crossings)
 
 
-def _phase_crossings(loop: Loop, grid: Array) -> list[tuple[float, float]]:
+def _phase_crossings(seen: _Seen) -> list[tuple[float, float]]:
     """Return (frequency, factor on L that closes onto -1) wherever L is negative real."""
-    turn = _turning(loop)
-    if not loop.dead_time and not any(turn):
-        return _always_real(loop, grid)
+    loop = seen.loop
+    if not loop.dead_time and not any(seen.turn):
+        return _always_real(seen)
+
+    def side(v: float) -> float:
+        top, bottom = loop.point(v)
+        return (top * bottom.conjugate()).imag
+
+    def side_by_polynomial(v: float) -> float:
+        return float(poly.homogeneous(seen.turn, v * v / (1 + v * v), 1 / (1 + v * v)))
+
     if loop.dead_time:
-
-        def side(v: float) -> float:
-            top, bottom = _at(loop, v)
-            return (top * bottom.conjugate()).imag
-
-        def side_on(v: Array) -> Array:
-            top, bottom = loop.parts(v)
-            return np.asarray((top * np.conj(bottom)).imag)
-    else:
-
-        def side(v: float) -> float:
-            return float(poly.at(turn, v * v))
-
-        def side_on(v: Array) -> Array:
-            return np.asarray(poly.at(turn, v * v))
-
+        values, exactly = (seen.top * np.conj(seen.bottom)).imag, side
+    else:  # far from all corners the phase nears a multiple of 90 deg, and only this sign holds
+        square = seen.v**2
+        values = poly.homogeneous(seen.turn, square / (1 + square), 1 / (1 + square))
+        exactly = side_by_polynomial
     crossings = []
-    for v in merged(sign_changes(side, side_on, (grid, suspects(turn)))):
-        top, bottom = _at(loop, v)
+    for v in sign_changes(exactly, seen.v, np.sign(values)):
+        top, bottom = loop.point(v)
         product = (top * bottom.conjugate()).real
-        if product < -1e-13 * _bulk(loop, v):  # smaller is a pole or a zero on the axis
+        if product < -_AT_A_ROOT * _bulk(loop, v):
             crossings.append((loop.frequency(v), -_square(bottom) / product))
-    for v, top, bottom in loop.ends():
-        if top * bottom < 0:
-            crossings.append((loop.frequency(v), -bottom / top))
-    return sorted(crossings)
+    return sorted(crossings + _at_the_ends(loop))
 
 
-def _always_real(loop: Loop, grid: Array) -> list[tuple[float, float]]:
+def _at_the_ends(loop: Loop) -> list[tuple[float, float]]:
+    """Return the phase crossings at w = 0 and at the Nyquist frequency."""
+    return [
+        (loop.frequency(v), -bottom / top) for v, top, bottom in loop.ends() if top * bottom < 0
+    ]
+
+
+def _always_real(seen: _Seen) -> list[tuple[float, float]]:
     """Return the phase crossings of a loop that is real at every frequency.
 
     Any gain inside its range then makes it marginal somewhere: where |L| is 1 the factor is 1.
     """
     found = [
         (w, 1.0)
-        for w, pm in _gain_crossings(loop, grid, [])
-        if abs(pm) < 1e-9  # deg: -1, not +1
+        for w, pm in _gain_crossings(seen, [])
+        if abs(pm) < 1e-9  # deg: at -1, not at +1
     ]
-    for v, top, bottom in loop.ends():
-        if top * bottom < 0:
-            found.append((loop.frequency(v), -bottom / top))
-    return sorted(set(found))
+    return sorted({*found, *_at_the_ends(seen.loop)})
 
 
 def _turning(loop: Loop) -> Poly:
@@ -163,49 +199,32 @@ def _turning(loop: Loop) -> Poly:
     return poly.trim(poly.plus(poly.times(num_odd, den_even), poly.times(num_even, den_odd), -1.0))
 
 
-def _num(loop: Loop, v: float, top: complex, bottom: complex) -> complex:
-    return top
+def _least_ratio(seen: _Seen, on_top: float, on_bottom: float) -> tuple[float, float]:
+    """Return (v, min |den + num|/|on_bottom den + on_top num|), both ends included."""
+    loop = seen.loop
 
-
-def _den(loop: Loop, v: float, top: complex, bottom: complex) -> complex:
-    return bottom
-
-
-def _other(loop: Loop, v: float, top: complex, bottom: complex) -> complex:
-    return bottom - top
-
-
-def _least_ratio(
-    loop: Loop, grid: Array, sign: float, below: Callable[..., complex]
-) -> tuple[float, float]:
-    """Return (v, min |den + num|/|below|) over the whole axis, both ends included."""
-
-    def ratio(v: Array) -> Array:
-        top, bottom = loop.parts(v)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return np.asarray(np.abs(bottom + top) / np.abs(below(loop, 0.0, top, bottom)))
+    def ratio(v: float) -> float:
+        top, bottom = loop.point(v)
+        below = abs(on_bottom * bottom + on_top * top)
+        return abs(bottom + top) / below if below else inf
 
     def slope(v: float) -> float:
-        top, bottom = _at(loop, v)
-        dtop, dbottom = loop.slopes(v)
-        f, df = bottom + top, dbottom + dtop
-        g, dg = below(loop, v, top, bottom), below(loop, v, dtop, dbottom)
-        if f == 0 or g == 0:
+        top, bottom, dtop, dbottom = loop.slopes(v)
+        above, below = bottom + top, on_bottom * bottom + on_top * top
+        if above == 0 or below == 0:
             return 0.0
-        return (df / f).real - (dg / g).real
+        dbelow = on_bottom * dbottom + on_top * dtop
+        return ((dbottom + dtop) / above).real - (dbelow / below).real
 
-    best = least(ratio, slope, grid)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        above, below = seen.bottom + seen.top, on_bottom * seen.bottom + on_top * seen.top
+        best = least(ratio, slope, seen.v, np.abs(above) / np.abs(below))
     for v, top, bottom in loop.ends():
-        g = below(loop, v, complex(top), complex(bottom))
+        end = abs(on_bottom * bottom + on_top * top)
         # where the least is at an end, the grid's outermost point says the same but for rounding
-        if g and abs(bottom + top) / abs(g) <= best[1] * (1 + 1e-14):
-            best = v, abs(bottom + top) / abs(g)
+        if end and abs(bottom + top) / end <= best[1] * (1 + 1e-14):
+            best = v, abs(bottom + top) / end
     return best
-
-
-def _at(loop: Loop, v: float) -> tuple[complex, complex]:
-    top, bottom = scalar(loop.num, v), scalar(loop.den, v)
-    return (top * exp(-1j * loop.psi(v)) if loop.dead_time else top), bottom
 
 
 def _square(x: complex) -> float:
@@ -228,6 +247,3 @@ def _bulk(loop: Loop, v: float) -> float:
     """Return what |num den| would be at v if nothing cancelled."""
     top = poly.at([abs(c) for c in loop.num], v)
     return float(top * poly.at([abs(c) for c in loop.den], v))
-
-
-__all__ = ["margins", "measure_loop", "pi"]

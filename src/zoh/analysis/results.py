@@ -21,8 +21,9 @@ class Margins:
     mt                max |L/(1 + L)|, at mt_frequency rad/s
     disk_margin       balanced (sigma = 0): min 2 |1 + L|/|1 - L|
     gain_crossings    every (frequency in rad/s, phase margin in deg)
-    phase_crossings   every (frequency in rad/s, gain factor); w = 0 and Nyquist's count where
-                      L is negative real there
+    phase_crossings   every (frequency, gain factor); w = 0 and Nyquist's count where L is
+                      negative real there. A continuous dead time turns the loop for ever:
+                      listed are those with a factor up to 1000 and a few more
     """
 
     stable: bool

@@ -8,7 +8,6 @@ fixed fractions, and between two of those it is a short Taylor series of the hel
 from collections.abc import Callable
 from dataclasses import dataclass
 from decimal import Decimal
-from math import factorial
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +19,6 @@ from zoh.sampling.between import Held
 Indices = npt.NDArray[np.int64]
 
 _TERMS = 24  # of the Taylor series over half a radian: the last is below 1e-25 of the first
-_INVERSE = np.array([1 / factorial(j) for j in range(_TERMS)])
 _CHUNK = 65_536  # samples bounded at once
 _WIDE = 0.6  # radians of the fastest mode beyond which the series is left for the exponential
 
@@ -42,6 +40,7 @@ class Waveform:
     k, states  the samples at which the state is known, shape (K,) and (K, N)
     y          the output there, shape (K,)
     low, high  bounds of the output from each sample to the next, shape (K,)
+    taylor     the output's series inside a sample, as rows on the plant's state and input
     """
 
     motion: Motion
@@ -50,17 +49,18 @@ class Waveform:
     y: Array
     low: Array
     high: Array
+    taylor: tuple[Array, Array]
 
     @classmethod
     def of(cls, motion: Motion, row: Array, track: tuple[Indices, Array]) -> "Waveform":
         """Return the waveform of ``row`` times the state along a track, filled in as needed."""
         k, states = track
-        wanted = _stretches(k, states @ row)
-        if wanted:
+        while wanted := _stretches(k, states @ row):
             k, states = _filled(motion, k, states, wanted)
         y = states @ row
         low, high = _bounds(motion, k, states, y)
-        return cls(motion=motion, k=k, states=states, y=y, low=low, high=high)
+        taylor = _taylor(motion.held)
+        return cls(motion=motion, k=k, states=states, y=y, low=low, high=high, taylor=taylor)
 
     def furthest(self, sign: float, *, between: bool) -> tuple[float, float]:
         """Return (time in s, sign * y) where sign * y is largest."""
@@ -122,41 +122,47 @@ class Waveform:
         pieces = []
         for segment in self.motion.segments:
             u = float(segment.input @ self.states[i])
-            for j, h in enumerate(np.diff(segment.times)):
-                x = segment.states[j] @ self.states[i]
-                t = float(self.k[i]) + segment.start + float(segment.times[j])
-                pieces.append(_piece(held, x, u, t, float(h)))
+            x = segment.states[:-1] @ self.states[i]
+            series = x @ self.taylor[0] + u * self.taylor[1]
+            begins = float(self.k[i]) + segment.start + segment.times
+            for j, h in enumerate(np.diff(segment.times).tolist()):
+                if held.fastest * h > _WIDE:
+                    pieces.append(_stiff_piece(held, x[j], u, float(begins[j]), h))
+                else:
+                    pieces.append(_piece(series[j].tolist(), float(begins[j]), h))
         return pieces
 
 
-def _piece(held: Held, x: Array, u: float, t: float, span: float) -> Piece:
-    c, d, a = held.c, held.d, held.a
-
-    def force(state: Array) -> Array:
-        rate = a @ state
-        if len(rate):
-            rate[-1] += u
-        return np.asarray(rate)
-
-    if held.fastest * span > _WIDE:
-
-        def state(s: float) -> Array:
-            delta, gamma = held.move(Decimal(s))
-            return np.asarray(x + delta @ x + gamma * u)
-
-        return Piece(
-            t=t, span=span,
-            value=lambda s: float(c @ state(s) + d * u),
-            slope=lambda s: float(c @ force(state(s))),
-        )  # fmt: skip
-    series = np.empty(_TERMS)
-    series[0], rate = c @ x + d * u, force(x)
+def _taylor(held: Held | None) -> tuple[Array, Array]:
+    """Return (rows on the state, row on the input) of y's Taylor coefficients, (n, T) and (T,)."""
+    if held is None:
+        return np.zeros((0, _TERMS)), np.zeros(_TERMS)
+    row, rows, inputs = held.c, [held.c], [held.d]
     for j in range(1, _TERMS):
-        series[j] = c @ rate
-        rate = a @ rate
-    value = (series * _INVERSE)[::-1].tolist()
-    slope = (series[1:] * _INVERSE[:-1])[::-1].tolist()
-    return Piece(t=t, span=span, value=_horner(value), slope=_horner(slope))
+        inputs.append(row[-1] / j if len(row) else 0.0)
+        row = row @ held.a / j
+        rows.append(row)
+    return np.array(rows).T, np.array(inputs)
+
+
+def _piece(series: list[float], t: float, span: float) -> Piece:
+    slope = [j * c for j, c in enumerate(series)][:0:-1]
+    return Piece(t=t, span=span, value=_horner(series[::-1]), slope=_horner(slope))
+
+
+def _stiff_piece(held: Held, x: Array, u: float, t: float, span: float) -> Piece:
+    """Return a piece too long for the series: an exponential for every value asked."""
+
+    def state(s: float) -> Array:
+        delta, gamma = held.move(Decimal(s))
+        return np.asarray(x + delta @ x + gamma * u)
+
+    def slope(s: float) -> float:
+        rate = held.a @ state(s)
+        rate[-1] += u
+        return float(held.c @ rate)
+
+    return Piece(t=t, span=span, value=lambda s: float(held.c @ state(s) + held.d * u), slope=slope)
 
 
 def _horner(a: list[float]) -> Callable[[float], float]:
@@ -256,14 +262,19 @@ def _stretches(k: Indices, y: Array) -> list[int]:
 
 
 def _filled(motion: Motion, k: Indices, states: Array, rows: list[int]) -> tuple[Indices, Array]:
-    """Return (k, states) with every sample present after each of these rows."""
+    """Return (k, states) with up to 64 samples more after each of these rows.
+
+    What is left in a wide stretch is slow, so a few points show where in it to look next.
+    """
     ks, zs, at = [], [], 0
     for i in rows:
         ks.append(k[at : i + 1])
         zs.append(states[at : i + 1])
-        count = int(k[i + 1] - k[i])
-        ks.append(k[i] + np.arange(1, count))
-        zs.append(motion.run(states[i], count)[1:])
+        gap = int(k[i + 1] - k[i])
+        stride = max(1, gap // 64)
+        count = -(-gap // stride)  # rounded up, so that the row itself and these fill the gap
+        ks.append(k[i] + stride * np.arange(1, count))
+        zs.append(motion.run(states[i], count, stride)[1:])
         at = i + 1
     ks.append(k[at:])
     zs.append(states[at:])

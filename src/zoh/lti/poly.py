@@ -4,10 +4,13 @@ The zero polynomial is ``(0.0,)``. Nothing here knows what a frequency is.
 """
 
 from collections.abc import Iterable, Sequence
+from math import floor, frexp, ldexp, log2
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+
+from zoh.errors import SpecError
 
 Poly = tuple[float, ...]
 
@@ -34,6 +37,19 @@ def at(a: Sequence[float], x: Any) -> Any:
     value = x * 0 + a[0]
     for c in a[1:]:
         value = value * x + c
+    return value
+
+
+def homogeneous(a: Sequence[float], x: Any, y: Any) -> Any:
+    """Return sum a_k x**(n-k) y**k, that is y**n a(x/y), also where y is 0.
+
+    >>> homogeneous((1.0, 2.0, 3.0), 1.0, 0.0)
+    1.0
+    """
+    value, power = x * 0 + a[0], y * 0 + 1.0
+    for c in a[1:]:
+        power = power * y
+        value = value * x + c * power
     return value
 
 
@@ -88,17 +104,28 @@ def roots(a: Sequence[float]) -> npt.NDArray[np.complex128]:
     n = len(a) - 1
     if n < 1:
         return np.zeros(zeros_at_origin, complex)
-    log_scale = (np.log2(abs(a[-1])) - np.log2(abs(a[0]))) / n
-    with np.errstate(over="ignore", under="ignore"):
-        scaled = [_ldexp(c / a[0], -i * log_scale) for i, c in enumerate(a)]
-    found = np.roots(scaled) * 2.0**log_scale
+    if n == 1:
+        return np.array([-a[1] / a[0], *[0.0] * zeros_at_origin], complex)
+    scale = (log2(abs(a[-1])) - log2(abs(a[0]))) / n
+    companion = np.eye(n, k=-1)
+    try:
+        companion[0] = [-_ratio(c, a[0], -i * scale) for i, c in enumerate(a) if i]
+        found = np.linalg.eigvals(companion).astype(complex) * 2.0**scale
+    except OverflowError:
+        raise SpecError(
+            "coefficients",
+            "must have roots that a 64-bit float can hold",
+            list(a),
+            "count time in another unit, or reduce the model",
+        ) from None
     return np.concatenate([found, np.zeros(zeros_at_origin)])
 
 
-def _ldexp(x: float, log2_factor: float) -> float:
-    """Return x 2**log2_factor; the factor may be beyond a float's range where x is not."""
-    half = log2_factor / 2
-    return x * float(np.exp2(half)) * float(np.exp2(half))
+def _ratio(x: float, y: float, log2_factor: float) -> float:
+    """Return x/y 2**log2_factor; the parts may be beyond a float's range where it is not."""
+    (x, x_exponent), (y, y_exponent) = frexp(x), frexp(y)
+    whole = floor(log2_factor)
+    return ldexp(x / y * 2.0 ** (log2_factor - whole), x_exponent - y_exponent + whole)
 
 
 def even_odd(a: Sequence[float]) -> tuple[Poly, Poly]:

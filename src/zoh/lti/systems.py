@@ -228,8 +228,8 @@ class Sampled:
         sin, cos = 2 / self.dt * np.sin(w * self.dt / 2), np.cos(w * self.dt / 2)
         size = np.hypot(sin, cos)
         x, y = 1j * sin / size, cos / size  # v = x/y; Nyquist is y = 0, no overflow there
-        top = _homogeneous(self.num_w, x, y) * np.exp(-1j * w * self.dt * self.delay)
-        value = _quotient(top, _homogeneous(self.den_w, x, y))
+        top = poly.homogeneous(self.num_w, x, y) * np.exp(-1j * w * self.dt * self.delay)
+        value = _quotient(top, poly.homogeneous(self.den_w, x, y))
         return complex(value) if w.ndim == 0 else value
 
     def __mul__(self, other: "Sampled") -> "Sampled":
@@ -272,15 +272,6 @@ def _in_z(a_w: Poly, dt: float) -> ComplexArray:
     with np.errstate(divide="ignore", invalid="ignore"):
         found = np.where(half == 1, np.inf, (1 + half) / (1 - half))
     return np.concatenate([found, np.full(at_nyquist, -1.0)])
-
-
-def _homogeneous(a: Poly, x: Any, y: Any) -> Any:
-    """Return sum a_k x**(n-k) y**k."""
-    value, power = x * 0 + a[0], y * 0 + 1.0
-    for c in a[1:]:
-        power = power * y
-        value = value * x + c * power
-    return value
 
 
 def _quotient(top: Any, bottom: Any) -> Any:
