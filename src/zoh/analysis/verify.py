@@ -16,6 +16,7 @@ from zoh.analysis.results import Margins, StepInfo
 from zoh.analysis.step import closed_loop_step
 from zoh.errors import NotMet, SpecError
 from zoh.lti.systems import Plant, Sampled
+from zoh.lti.written import fraction, number
 from zoh.sampling.hold import sample
 from zoh.spec import Requirements
 
@@ -93,7 +94,7 @@ class Measured:
     def report(self) -> str:
         """Return what was measured in a few lines."""
         m = self.margins
-        gains = ", ".join(f"{k} = {v:.6g}" for k, v in self.gains.items())
+        gains = ", ".join(f"{k} = {number(v)}" for k, v in self.gains.items())
         controller = fraction(self.controller.num, self.controller.den, "z")
         lines = [
             f"{self.name}: {self.law}" + (f" with {gains}" if gains else ""),
@@ -234,34 +235,6 @@ def _compared(
             ("peak_effort", asked.peak_effort, step.peak_effort, False),
         ]
     return rows
-
-
-def fraction(num: tuple[float, ...], den: tuple[float, ...], variable: str) -> str:
-    """Return num/den as one line of text.
-
-    >>> fraction((2.0, -1.0), (1.0, 0.0, -1.0), "z")
-    '(2 z - 1)/(z^2 - 1)'
-    """
-    return f"({polynomial(num, variable)})/({polynomial(den, variable)})"
-
-
-def polynomial(a: tuple[float, ...], variable: str, digits: int = 6) -> str:
-    """Return a polynomial as text, zero terms left out.
-
-    >>> polynomial((1.0, 0.0, -0.5), "z")
-    'z^2 - 0.5'
-    """
-    n = len(a) - 1
-    text = ""
-    for i, c in enumerate(a):
-        if c == 0 and n:
-            continue
-        power = n - i
-        size = "" if abs(c) == 1 and power else f"{abs(c):.{digits}g}"
-        tail = "" if not power else variable if power == 1 else f"{variable}^{power}"
-        joint = (" - " if c < 0 else " + ") if text else ("-" if c < 0 else "")
-        text += joint + " ".join(part for part in (size, tail) if part)
-    return text or "0"
 
 
 def _or_none(value: float | None) -> str:

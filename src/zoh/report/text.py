@@ -4,9 +4,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from math import ceil, floor, inf, log10
 
 from zoh.analysis.results import StepInfo
-from zoh.analysis.verify import Measured, polynomial
+from zoh.analysis.verify import Measured
+from zoh.lti import written
 from zoh.lti.poly import trim
 from zoh.lti.systems import Sampled
+from zoh.lti.written import fraction
 
 NOTHING = "-"  # a quantity that does not exist
 
@@ -30,13 +32,13 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
-def in_z(system: Sampled, digits: int = 6) -> str:
-    """Return D(z) as text.
+def in_z(system: Sampled, digits: int | None = None) -> str:
+    """Return D(z) as text, every digit unless told: near z = 1 the last ones are the design.
 
     >>> in_z(Sampled(num=[5.839, -5.823], den=[1, -1], dt=0.1))
     '(5.839 z - 5.823)/(z - 1)'
     """
-    return _fraction(system.num, system.den, "z", digits)
+    return fraction(system.num, system.den, "z", digits)
 
 
 def in_w(system: Sampled, digits: int = 6) -> str:
@@ -46,7 +48,7 @@ def in_w(system: Sampled, digits: int = 6) -> str:
     '1/w'
     """
     num, den = trim(system.num_w), trim(system.den_w)
-    text = _fraction([c / den[0] for c in num], [c / den[0] for c in den], "w", digits)
+    text = fraction([c / den[0] for c in num], [c / den[0] for c in den], "w", digits)
     return text if not system.delay else f"z^-{system.delay} {text}"
 
 
@@ -92,11 +94,20 @@ def horizon(steps: Iterable[StepInfo | None]) -> float:
     return ceil(longest / unit) * unit
 
 
+def _output_effort(d: Measured) -> Mapping[str, str]:
+    """Return the effort where the reference counts output units, if those differ."""
+    if d.plant.sensor == 1:
+        return {}
+    effort = d.step.peak_effort if d.step else None
+    scaled = None if effort is None else effort * abs(d.plant.sensor)
+    return {"effort, r in output units": number(scaled, 3)}
+
+
 def facts(d: Measured) -> Mapping[str, str]:
     """Return every row of the comparison for one design."""
     m, s = d.margins, d.step
     between = s.between_samples if s is not None else None
-    gains = ", ".join(f"{k} = {number(v, 6)}" for k, v in d.gains.items())
+    gains = ", ".join(f"{k} = {written.number(v)}" for k, v in d.gains.items())
     return {
         "law": cell(d.law),
         "gains": cell(gains) or NOTHING,
@@ -114,14 +125,6 @@ def facts(d: Measured) -> Mapping[str, str]:
         "settling time, s": number(s.settling_time if s else None, 3),
         "steady-state error": number(s.steady_state_error if s else None, 3),
         "peak effort": number(s.peak_effort if s else None, 3),
+        **_output_effort(d),
         "requirements": "met" if d.met else "**missed**",
     }
-
-
-def _fraction(num: Sequence[float], den: Sequence[float], variable: str, digits: int) -> str:
-    top = polynomial(tuple(num), variable, digits)
-    bottom = polynomial(tuple(den), variable, digits)
-    if bottom == "1":
-        return top
-    enclosed = [f"({text})" if " " in text else text for text in (top, bottom)]
-    return "/".join(enclosed)

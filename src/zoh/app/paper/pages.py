@@ -55,7 +55,7 @@ def _plant(found: Study) -> str:
     alone = found.as_printed["none"].margins
     rows = [
         ["exact", in_z(sampled, 10), number(alone.phase_margin_deg)],
-        ["four digits, as printed", in_z(typed), number(rounded.phase_margin_deg)],
+        ["four digits, as printed", in_z(typed, 6), number(rounded.phase_margin_deg)],
     ]
     return (
         "## The plant\n\n"
