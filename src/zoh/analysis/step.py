@@ -11,8 +11,9 @@ from math import ceil
 import numpy as np
 
 from zoh import checks
-from zoh.analysis.loop import Loop
-from zoh.analysis.motion import Array, Motion, autonomous, closed_loop, continuous
+from zoh.analysis.closed import autonomous, closed_loop, continuous
+from zoh.analysis.loop import Array, Loop
+from zoh.analysis.motion import Motion
 from zoh.analysis.results import StepInfo
 from zoh.analysis.stability import hurwitz_floats
 from zoh.analysis.waveform import Waveform

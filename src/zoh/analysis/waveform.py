@@ -10,13 +10,11 @@ from dataclasses import dataclass
 from decimal import Decimal
 
 import numpy as np
-import numpy.typing as npt
 
 from zoh.analysis.crossings import bracketed
-from zoh.analysis.motion import Array, Motion, Segment
+from zoh.analysis.loop import Array
+from zoh.analysis.motion import Indices, Motion, Segment
 from zoh.sampling.between import Held
-
-Indices = npt.NDArray[np.int64]
 
 _TERMS = 24  # of the Taylor series over half a radian: the last is below 1e-25 of the first
 _CHUNK = 65_536  # samples bounded at once

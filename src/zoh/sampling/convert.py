@@ -75,8 +75,8 @@ def undiscretise(system: Sampled, method: str, prewarp: float | None = None) -> 
 
     >>> undiscretise(Sampled(num=[0.5], den=[1, -0.5], dt=1.0), "zoh").den  # s + log 2
     (1.0, 0.6931471805599453)
-    >>> undiscretise(Sampled(num=[0.5, 0.0], den=[1, -0.5], dt=1.0), "backward").den
-    (1.0, 1.0)
+    >>> undiscretise(Sampled(num=[1, 0], den=[2, -1], dt=1.0), "backward")  # z/(2 z - 1)
+    Plant(num=(1.0,), den=(1.0, 1.0), dead_time=0.0, sensor=1.0)
     """
     if not isinstance(system, Sampled):
         raise SpecError("system", "must be a zoh.Sampled", system, "it is the sampled side")
@@ -113,7 +113,7 @@ def _forward(dt: float, method: str, prewarp: float | None) -> Callable[[Plant],
 
 
 def _stretch(dt: float, prewarp: float | None) -> Decimal:
-    return _UNWARPED if prewarp is None else differences.stretch(prewarp, dt)
+    return _UNWARPED if prewarp is None else differences.stretch(float(prewarp), dt)
 
 
 def _check_prewarp(dt: float, method: str, prewarp: float | None) -> None:

@@ -54,42 +54,12 @@ def match(plant: Plant, dt: float, *, delay: int) -> Sampled:
         )
 
 
-def gain_of(top: Exact, bottom: Exact, num_z: Exact, den_z: Exact, dt: float) -> Decimal:
-    """Return the k that gives k top(s)/bottom(s) the limit of num_z/den_z, as defined above.
-
-    Called with the precision its arguments were made with.
-
-    >>> D = Decimal
-    >>> gain_of((D(1),), (D(1), D(0)), (D("0.5"),), (D(1), D(-1)), 0.5)  # 1/s
-    Decimal('1')
-    """
-    zeros, above = _at_one(num_z, len(top) - len(_without_origin(top)))
-    poles, below = _at_one(den_z, len(bottom) - len(_without_origin(bottom)))
-    return above / below * Decimal(dt) ** (zeros - poles) * _lowest(bottom) / _lowest(top)
-
-
-def _at_one(a: Exact, times: int) -> tuple[int, Decimal]:
-    """Return (times, a(z)/(z-1)^times at z = 1)."""
-    for _ in range(times):
-        quotient = [a[0]]
-        for c in a[1:-1]:
-            quotient.append(quotient[-1] + c)
-        a = tuple(quotient)
-    return times, sum(a, Decimal(0))
-
-
 def _mapped(a: Exact, dt: float) -> tuple[Exact, int]:
     """Return (the monic polynomial of exp(root dt), roots not at 0; how many are at 0)."""
     ring = StepResponse.of((_ONE,), a, _ONE, Decimal(dt))
     return ring.sampled(Decimal(0))[0], ring.integrators
 
 
-def _without_origin(a: Exact) -> Exact:
-    """Return ``a`` divided by its power of the variable."""
-    last = max(i for i, c in enumerate(a) if c)
-    return a[: last + 1]
-
-
 def _lowest(a: Exact) -> Decimal:
     """Return the coefficient of the lowest power that has one."""
-    return _without_origin(a)[-1]
+    return next(c for c in reversed(a) if c)

@@ -37,8 +37,9 @@ def in_both_forms(
     To be called with the precision num and moving were made with. Raises SpecError where a
     coefficient leaves a float's range.
 
-    >>> from decimal import Decimal as D
-    >>> in_both_forms(num=(D(0), D(1)), moving=(D(1),), at_one=1, zeros_at_one=0, dt=2.0, delay=0)
+    >>> num, one = digits.exact([0.0, 1.0]), digits.exact([1.0])
+    >>> with digits.precision(60):
+    ...     in_both_forms(num=num, moving=one, at_one=1, zeros_at_one=0, dt=2.0, delay=0)
     Sampled(num=(1.0,), den=(1.0, -1.0), dt=2.0)
     """
     n, half = len(num) - 1, Decimal(dt) / 2
