@@ -35,7 +35,8 @@ def read(name):
 @pytest.fixture(scope="module")
 def reference():
     """The independent calculation, its digits kept: 24.640 is not 24.64."""
-    return json.loads(read("printed.json"), parse_float=Decimal, parse_int=Decimal)
+    text = (PROJECT / "tests" / "oracles" / "printed.json").read_text(encoding="utf-8")
+    return json.loads(text, parse_float=Decimal, parse_int=Decimal)
 
 
 @pytest.fixture(scope="module")

@@ -7,6 +7,7 @@ peak. A time is the true instant, a peak the true extreme.
 
 from dataclasses import dataclass, replace
 from math import ceil
+from typing import Any
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from zoh.lti.systems import Plant, Sampled
 
 RISE = (0.1, 0.9)
 BAND = 0.02
+MOST_DRAWN = 1_000_000  # samples of a curve
 _NOTHING = 1e-10  # an overshoot below this part of the final value is rounding
 
 
@@ -107,16 +109,27 @@ def trace(
 
     ``per_sample`` is the least number of points of the curve between two samples.
     """
-    checks.positive("t_end", t_end, "give the last time in seconds")
     motion = closed_loop(plant, controller, compute_delay)
+    return trace_of(motion, t_end, per_sample, reference)
+
+
+def trace_of(motion: Motion, t_end: float, per_sample: int = 20, reference: float = 1.0) -> Trace:
+    """Return a motion's output and effort as curves, times ``reference``."""
+    checks.positive("t_end", t_end, "give the last time in seconds")
     count = ceil(t_end / motion.dt * (1 - 1e-12)) + 1
+    if count > MOST_DRAWN:
+        raise SpecError(
+            "t_end",
+            f"must be at most {MOST_DRAWN} samples ({MOST_DRAWN * motion.dt:.4g} s)",
+            t_end,
+            "draw a shorter time",
+        )
     states = motion.run(motion.start, count)
-    t = np.asarray(motion.dt * np.arange(count), float)
     times, rows = _between(motion, per_sample)
     dense = (np.arange(count)[:, None] + times[None, :]) * motion.dt
     effort = motion.output * 0 if motion.effort is None else motion.effort
     return Trace(
-        t=_frozen(t),
+        t=_frozen(motion.dt * np.arange(count)),
         y=_frozen(reference * (states @ motion.output)),
         u=_frozen(reference * (states @ effort)),
         t_between=_frozen(dense.ravel()),
@@ -192,7 +205,8 @@ def _scaled(info: StepInfo, reference: float) -> StepInfo:
     )
 
 
-def _frozen(a: Array) -> Array:
+def _frozen(values: Any) -> Array:
+    a = np.asarray(values, float)
     a.flags.writeable = False
     return a
 

@@ -69,7 +69,8 @@ def undiscretise(system: Sampled, method: str, prewarp: float | None = None) -> 
     tustin, prewarp, forward and backward are undone exactly. zoh, foh, impulse and matched take
     the logarithm of the poles, the one within the Nyquist frequency; none exists for poles at
     z = 0 (other than a pure delay, which is dead time) or on the negative real axis. A
-    fraction of dt of dead time comes back from zoh as feedthrough behind whole samples.
+    fraction of dt of dead time shows in the zeros alone: zoh and impulse answer with the plant
+    behind whole samples that gives the same system, foh refuses.
     The result is sampled again and compared; its ``exact`` holds more digits than num and den
     show. Raises SpecError where no plant exists or 1e-9 is not reached.
 
@@ -82,12 +83,8 @@ def undiscretise(system: Sampled, method: str, prewarp: float | None = None) -> 
         raise SpecError("system", "must be a zoh.Sampled", system, "it is the sampled side")
     again = _forward(system.dt, method, prewarp)
     if method in _THETA:
-        theta, a = _THETA[method], _stretch(system.dt, prewarp)
-
-        def back(form: inverse.Form) -> Plant:
-            return differences.to_plant(form.num_w, form.den_w, form.dt, theta=theta, a=a)
-
-        return inverse.by_rule(system, back, again)
+        a = _stretch(system.dt, prewarp)
+        return inverse.by_rule(system, _THETA[method], a, again)
     return inverse.by_logarithm(system, method, again)
 
 

@@ -6,17 +6,17 @@ one that returns closer to both forms is the answer, if it comes within 1e-9.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from decimal import Decimal
+from decimal import Decimal, getcontext
 from math import log10
 
 from zoh.errors import SpecError
-from zoh.lti import digits, poly
+from zoh.lti import digits
 from zoh.lti.digits import Exact
 from zoh.lti.systems import Plant, Sampled
-from zoh.sampling.algebra import solve
-from zoh.sampling.differences import replaced, trimmed
+from zoh.sampling.algebra import Ring, solve
+from zoh.sampling.differences import TUSTIN, to_plant, trimmed
 from zoh.sampling.distance import distance
+from zoh.sampling.forms import Form, in_w, in_z, trailing_zeros
 from zoh.sampling.logarithm import NoLogarithm, artanh_of_roots
 from zoh.sampling.ring import StepResponse, digits_needed
 
@@ -27,27 +27,21 @@ _ZERO, _ONE = Decimal(0), Decimal(1)
 _RESPONSE = {"impulse": 0, "zoh": 1, "foh": 2}  # integrations from an impulse to the input
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Form:
-    """The exact value of one form of a system, without its delay, in both variables.
-
-    num_w, den_w  the same length n + 1
-    num_z, den_z  without leading zeros; den_z has n + 1
-    """
-
-    num_w: Exact
-    den_w: Exact
-    num_z: Exact
-    den_z: Exact
-    dt: float
-
-
 def by_rule(
-    system: Sampled, back: Callable[[Form], Plant], again: Callable[[Plant], Sampled]
+    system: Sampled, theta: Decimal, a: Decimal, again: Callable[[Plant], Sampled]
 ) -> Plant:
-    """Return the plant by ``back``, which is exact; ``again`` samples it."""
+    """Return the plant of a system made by the difference rule theta, a; ``again`` makes it."""
     bare = _without(system, system.delay)
-    return _checked(bare, back, again, system.delay)
+    if theta == TUSTIN:  # w is s, up to a: nothing to lose, whatever z looks like
+        num, den = digits.exact(bare.num_w), digits.exact(bare.den_w)
+        plant = to_plant(num, den, bare.dt, theta=theta, a=a)
+    else:
+        plant = _checked(
+            bare,
+            lambda form: to_plant(form.shaped_w, form.den_w, form.dt, theta=theta, a=a),
+            again,
+        )
+    return _late(plant, system.delay * system.dt)
 
 
 def by_logarithm(system: Sampled, method: str, again: Callable[[Plant], Sampled]) -> Plant:
@@ -55,7 +49,7 @@ def by_logarithm(system: Sampled, method: str, again: Callable[[Plant], Sampled]
 
     Raises SpecError where a pole has no logarithm or the plant does not come back.
     """
-    delay = _trailing_zeros(system.den)
+    delay = trailing_zeros(system.den)
     if len(system.num) > len(system.den) - delay:
         raise SpecError(
             "system",
@@ -66,64 +60,65 @@ def by_logarithm(system: Sampled, method: str, again: Callable[[Plant], Sampled]
     bare = _without(system, delay)
 
     def back(form: Form) -> Plant:
-        with digits.precision(_digits(form)):
-            try:
+        try:
+            with digits.precision(_digits(form)):
                 return _unmatched(form) if method == "matched" else _unheld(form, method)
-            except (NoLogarithm, ZeroDivisionError):
-                raise SpecError(
-                    "system",
-                    "must have no pole (nor zero, if matched) on the negative real axis "
-                    f"for method {method!r}",
-                    [complex(z) for z in bare.poles()],
-                    "no plant has one: use method 'tustin' or 'forward'",
-                ) from None
+        except (NoLogarithm, ZeroDivisionError):
+            raise SpecError(
+                "system",
+                "must have no pole (nor zero, if matched) on the negative real axis "
+                f"for method {method!r}",
+                [complex(z) for z in bare.poles()],
+                "no plant has one: use method 'tustin' or 'forward'",
+            ) from None
 
-    return _checked(bare, back, again, delay)
+    return _late(_checked(bare, back, again), delay * bare.dt)
 
 
 def _checked(
-    bare: Sampled,
-    back: Callable[[Form], Plant],
-    again: Callable[[Plant], Sampled],
-    delay: int,
+    bare: Sampled, back: Callable[[Form], Plant], again: Callable[[Plant], Sampled]
 ) -> Plant:
-    """Return the better of the two plants, with its dead time, if it is good enough."""
-    best, least = None, float("inf")
-    for form in (_in_z, _in_w):
-        plant = back(form(bare))
-        gap = distance(bare, again(plant))
-        if best is None or gap < least:
-            best, least = plant, gap
-        if least <= _ROUNDING / 8:
+    """Return the better of the two forms' plants, if it is good enough."""
+    found: list[tuple[float, Plant]] = []
+    refused: SpecError | None = None
+    for form in (in_w, in_z):
+        try:
+            found.append(_plainest(bare, back(form(bare)), again))
+        except SpecError as error:  # rounding may have moved a pole to where none can be
+            refused = error
+        if found and found[-1][0] <= _ROUNDING:
             break
-    if best is None or not least <= TOLERANCE:
+    if not found and refused is not None:
+        raise refused
+    gap, plant = min(found, key=lambda pair: pair[0])
+    if not gap <= TOLERANCE:
         raise SpecError(
             "system",
             f"must come back within {TOLERANCE:g} when its plant is sampled again",
-            least,
+            gap,
             "this method did not make it, or its digits no longer hold the plant; "
             "use method 'tustin', whose inverse is exact",
         )
-    plain = _plainest(bare, best, again, max(least, _ROUNDING))
-    return Plant.from_exact(*plain.exact, dead_time=delay * bare.dt)
+    return plant
 
 
 def _plainest(
-    bare: Sampled, plant: Plant, again: Callable[[Plant], Sampled], allowed: float
-) -> Plant:
-    """Return the plant with the lowest degree above the line that rounding cannot tell apart.
+    bare: Sampled, plant: Plant, again: Callable[[Plant], Sampled]
+) -> tuple[float, Plant]:
+    """Return the plant of lowest degree above the line that rounding cannot tell, and its gap.
 
     Sampling turns zeros at infinity into finite ones, so rounded coefficients bring them back
     as zeros far out. Where the system is the same to its last digits without them, they go.
     """
+    gap = distance(bare, again(plant))
     num, den = plant.exact
     for start in range(len(num) - 1, 0, -1):
-        if not num[start]:
-            continue
-        plain = Plant.from_exact(num[start:], den)
-        if distance(bare, again(plain)) <= allowed:
-            return plain
-    return plant
+        if num[start]:
+            plain = Plant.from_exact(num[start:], den)
+            without = distance(bare, again(plain))
+            if without <= max(gap, _ROUNDING):
+                return without, plain
+    return gap, plant
 
 
 def _unheld(form: Form, method: str) -> Plant:
@@ -136,9 +131,10 @@ def _unheld(form: Form, method: str) -> Plant:
     values = _responses(form, order)
     augmented = (*den, _ZERO) if method == "foh" else den
     ring = StepResponse.of((_ONE,), augmented, _ONE, Decimal(form.dt))
-    rows = [
-        ring.exponential(Decimal(j)) if j else _unit(len(augmented)) for j in range(len(values))
-    ]
+    powers = Ring(modulus=ring.modulus)
+    rows, one_sample = [powers.constant(_ONE)], ring.exponential(_ONE)
+    for _ in values[1:]:
+        rows.append(powers.product(rows[-1], one_sample))
     markov = solve(rows, values)
     n = len(augmented) - 1
     monic = [c * Decimal(form.dt) ** i for i, c in enumerate(augmented)]
@@ -147,7 +143,7 @@ def _unheld(form: Form, method: str) -> Plant:
         for j in range(n + 1)
     ]
     num = {"zoh": top, "foh": top[1:], "impulse": top[:-1]}[method]
-    return Plant.from_exact(_cleaned(num, den, form), den)
+    return Plant.from_exact(_cleaned(num, form.dt), den)
 
 
 def _responses(form: Form, order: int) -> list[Decimal]:
@@ -173,15 +169,9 @@ def _responses(form: Form, order: int) -> list[Decimal]:
 
 def _unmatched(form: Form) -> Plant:
     """Return the plant whose matched poles and zeros these are, its gain that as s goes to 0."""
-    at_one = _trailing_zeros(form.num_w)
-    at_minus_one = len(form.num_w) - len(trimmed(form.num_w))
-    core = form.num_w[at_minus_one : len(form.num_w) - at_one]
-    half = Decimal(form.dt) / 2
-    core_z = replaced(core, (_ONE, -_ONE), (half, half), len(core) - 1)
-    kept = len(form.num_z) - at_one - at_minus_one
-    core_z = core_z[len(core_z) - kept :]  # the others are zeros at infinity
-    core_w = replaced(core_z, (half, _ONE), (-half, _ONE), kept - 1)
-    top = _logarithms(core_w, form.dt) + (_ZERO,) * at_one
+    at_one = trailing_zeros(form.top_w)
+    core = trimmed(form.top_w)  # zeros at z = -1 are zeros at s = infinity
+    top = _logarithms(core[: len(core) - at_one], form.dt) + (_ZERO,) * at_one
     bottom = _poles(form)
     gain = _lowest(form.num_w) / _lowest(form.den_w) * _lowest(bottom) / _lowest(top)
     return Plant.from_exact(tuple(gain * c for c in top), bottom)
@@ -189,7 +179,7 @@ def _unmatched(form: Form) -> Plant:
 
 def _poles(form: Form) -> Exact:
     """Return the plant's monic denominator."""
-    at_one = _trailing_zeros(form.den_w)
+    at_one = trailing_zeros(form.den_w)
     return _logarithms(form.den_w[: len(form.den_w) - at_one], form.dt) + (_ZERO,) * at_one
 
 
@@ -202,48 +192,31 @@ def _logarithms(a_w: Exact, dt: float) -> Exact:
     return tuple(c / half**i for i, c in enumerate(halves))
 
 
-def _cleaned(num: list[Decimal], den: Exact, form: Form) -> Exact:
+def _cleaned(num: list[Decimal], dt: float) -> Exact:
     """Return num without what is only the rounding of a zero."""
-    unit = Decimal(form.dt)
+    unit = Decimal(dt)
     sizes = [abs(c) * unit**i for i, c in enumerate(num)]
-    nothing = max(sizes) * Decimal(10) ** (-_digits(form) // 4)
+    nothing = max(sizes) * Decimal(10) ** (-getcontext().prec // 3)
     kept = tuple(c if s > nothing else _ZERO for c, s in zip(num, sizes, strict=True))
     return trimmed(kept)
 
 
 def _digits(form: Form) -> int:
     """Return digits enough for slow poles, whose powers cancel, and for fast ones near z = 0."""
+    if not form.den_z[-1]:
+        raise NoLogarithm  # in this form a fast pole has been rounded to z = 0
     half = Decimal(form.dt) / 2
-    moving = form.den_w[: len(form.den_w) - _trailing_zeros(form.den_w)]
+    moving = form.den_w[: len(form.den_w) - trailing_zeros(form.den_w)]
     with digits.precision(60):
         in_p = tuple(c * half**i for i, c in enumerate(trimmed(moving)))
         fast = abs(form.den_z[-1] / form.den_z[0])
         depth = max(-log10(float(fast.scaleb(-fast.adjusted()))) - fast.adjusted(), 0.0)
-    return 2 * digits_needed((_ONE,), in_p, 1.0) + 4 * int(depth)
+    return digits_needed((_ONE,), in_p, 1.0) + 2 * int(depth) + 40
 
 
-def _in_w(bare: Sampled) -> Form:
-    """Return the exact value of the w-form."""
-    num, den, n = digits.exact(bare.num_w), digits.exact(bare.den_w), len(bare.den_w) - 1
-    with digits.precision(_exact_digits(num, den, bare.dt)):
-        half = Decimal(bare.dt) / 2
-        num_z, den_z = (replaced(c, (_ONE, -_ONE), (half, half), n) for c in (num, den))
-    # leading zeros of num are zeros at infinity by structure; in w they are lost to rounding
-    return Form(num_w=num, den_w=den, num_z=num_z[n + 1 - len(bare.num) :], den_z=den_z, dt=bare.dt)
-
-
-def _in_z(bare: Sampled) -> Form:
-    """Return the exact value of the z-form."""
-    num, den, n = digits.exact(bare.num), digits.exact(bare.den), len(bare.den) - 1
-    with digits.precision(_exact_digits(num, den, bare.dt)):
-        half = Decimal(bare.dt) / 2
-        num_w, den_w = (replaced(c, (half, _ONE), (-half, _ONE), n) for c in (num, den))
-    return Form(num_w=num_w, den_w=den_w, num_z=num, den_z=den, dt=bare.dt)
-
-
-def _exact_digits(num: Exact, den: Exact, dt: float) -> int:
-    n = len(den) - 1
-    return min(digits.span((*num, *den)) + n * (digits.span([Decimal(dt)]) + 2), 6000) + 60
+def _late(plant: Plant, dead_time: float) -> Plant:
+    """Return the plant with this dead time in s."""
+    return Plant.from_exact(*plant.exact, dead_time=dead_time)
 
 
 def _without(system: Sampled, delay: int) -> Sampled:
@@ -256,13 +229,5 @@ def _without(system: Sampled, delay: int) -> Sampled:
     )
 
 
-def _unit(n: int) -> list[Decimal]:
-    return [_ONE] + [_ZERO] * (n - 1)
-
-
-def _trailing_zeros(a: poly.Poly | Exact) -> int:
-    return next(i for i, c in enumerate(reversed(a)) if c)
-
-
 def _lowest(a: Exact) -> Decimal:
-    return a[len(a) - 1 - _trailing_zeros(a)]
+    return a[len(a) - 1 - trailing_zeros(a)]

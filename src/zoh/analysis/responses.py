@@ -1,0 +1,172 @@
+"""What a loop does under a ramp, an impulse, a disturbance and noise, as figures.
+
+Every figure is exact at all times, not only at the samples. Extremes are true ones; a response
+that has not come to rest by the horizon has no settling time.
+Source: K. J. Astrom and R. M. Murray, Feedback Systems, 2nd ed., ch. 12 (the gang of four);
+K. J. Astrom, Introduction to Stochastic Control Theory, ch. 4 (variance by the sum of squares
+of the impulse response).
+"""
+
+from dataclasses import dataclass, replace
+from math import inf, sqrt
+
+import numpy as np
+
+from zoh.analysis.closed import Excitation, closed_loop
+from zoh.analysis.loop import Array, Loop
+from zoh.analysis.motion import Motion
+from zoh.analysis.stability import closed_loop_stable
+from zoh.analysis.step import Trace, trace_of
+from zoh.analysis.waveform import Waveform
+from zoh.errors import SpecError
+from zoh.lti.systems import Plant, Sampled
+from zoh.sampling.hold import sample
+
+BAND = 0.02
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Response:
+    """One output under one excitation of size 1, between the samples too.
+
+    peak, peak_time  its largest size and when in s; for a ramp the output is the error r - y
+    final_value      what it comes to; inf where it grows without end
+    settling_time    s, from which on it stays within 2 % of the peak around the final value;
+                     None where it does not by the horizon
+    peak_effort      the largest |u|, in input units; inf where it grows without end
+    horizon          s, to which the response was followed
+    """
+
+    excitation: Excitation
+    peak: float
+    peak_time: float
+    final_value: float
+    settling_time: float | None
+    peak_effort: float
+    horizon: float
+
+
+def response(
+    plant: Plant, controller: Sampled, *, by: Excitation, compute_delay: float = 0.0
+) -> Response:
+    """Return the figures of a stable loop excited ``by`` a step, impulse, ramp or disturbance.
+
+    Raises SpecError for an unstable loop or an unknown excitation.
+
+    >>> plant = Plant(num=[1], den=[1, 1])
+    >>> d = response(plant, Sampled(num=[4.0], den=[1.0], dt=0.1), by="disturbance")
+    >>> round(d.final_value, 12)  # P/(1 + C P) = 1/(1 + 4)
+    0.2
+    """
+    _check_stable(plant, controller, compute_delay)
+    motion = closed_loop(plant, controller, compute_delay, by)
+    final, effort_at_rest = _at_rest(plant, controller, by)
+    if by == "ramp":
+        motion = _error(motion)
+        if final == inf:
+            return Response(
+                excitation=by, peak=inf, peak_time=inf, final_value=inf, settling_time=None,
+                peak_effort=inf, horizon=inf,
+            )  # fmt: skip
+    track = motion.track()
+    wave = Waveform.of(motion, motion.output, track)
+    up, down = wave.furthest(1.0, between=True), wave.furthest(-1.0, between=True)
+    t, peak = max(up, down, key=lambda found: found[1])
+    effort = abs(effort_at_rest)
+    if motion.effort is not None and effort < inf:
+        asked = Waveform.of(replace(motion, held=None), motion.effort, track)
+        effort = max(effort, float(np.abs(asked.y).max()))
+    settled = wave.last_outside(final, BAND * max(peak, abs(final)), between=True)
+    return Response(
+        excitation=by,
+        peak=max(peak, abs(final)),
+        peak_time=t,
+        final_value=final,
+        settling_time=settled,
+        peak_effort=effort,
+        horizon=float(track[0][-1]) * motion.dt,
+    )
+
+
+def response_trace(
+    plant: Plant, controller: Sampled, *, by: Excitation, t_end: float,
+    compute_delay: float = 0.0, per_sample: int = 20,
+) -> Trace:  # fmt: skip
+    """Return the response as curves, up to t_end seconds."""
+    return trace_of(closed_loop(plant, controller, compute_delay, by), t_end, per_sample)
+
+
+def noise_gains(
+    plant: Plant, controller: Sampled, *, compute_delay: float = 0.0
+) -> tuple[float, float]:
+    """Return (output, effort): standard deviations at the samples per unit of white noise.
+
+    The noise is added to the measurement, one independent value a sample. A variance is the sum
+    of the squares of an impulse response.
+
+    >>> plant = Plant(num=[1], den=[1, 0])
+    >>> y, u = noise_gains(plant, Sampled(num=[0.5], den=[1.0], dt=1.0))
+    >>> round(y * y, 12)  # y(k+1) = 0.5 y(k) - 0.5 n(k): 0.25/(1 - 0.25)
+    0.333333333333
+    """
+    _check_stable(plant, controller, compute_delay)
+    motion = closed_loop(plant, controller, compute_delay, "impulse")
+    squares = _sum_of_squares(motion)
+    effort = motion.output * 0 if motion.effort is None else motion.effort
+    return (
+        sqrt(max(0.0, float(motion.output @ squares @ motion.output))),
+        sqrt(max(0.0, float(effort @ squares @ effort))),
+    )
+
+
+def _sum_of_squares(motion: Motion) -> Array:
+    """Return sum over k of Z(k) Z(k)', by doubling the number of terms."""
+    start = motion.start.copy()
+    start[-1] = 0.0  # the constant is no part of an impulse's answer
+    total, step = np.outer(start, start), motion.delta
+    for _ in range(200):
+        moved = total + step @ total
+        added = moved + moved @ step.T
+        if np.abs(added).max() <= 1e-17 * np.abs(total).max():
+            break
+        total, step = total + added, 2 * step + step @ step
+    return total
+
+
+def _error(motion: Motion) -> Motion:
+    """Return the motion whose output is the error, which is there at the samples only."""
+    signal = np.zeros_like(motion.output)
+    signal[-2] = 1.0
+    return replace(motion, output=signal - motion.output, held=None, segments=())
+
+
+def _check_stable(plant: Plant, controller: Sampled, compute_delay: float) -> None:
+    loop = Loop.of(controller, sample(plant, controller.dt, compute_delay))
+    if not closed_loop_stable(loop):
+        raise SpecError(
+            "controller", "must make the closed loop stable", "an unstable loop", "change its gains"
+        )
+
+
+def _at_rest(plant: Plant, controller: Sampled, by: Excitation) -> tuple[float, float]:
+    """Return what the output (the error for a ramp) and u come to, from the gains at w = 0."""
+    c_num, c_den = controller.num_w, controller.den_w
+    p_num = [plant.sensor * c for c in plant.num]
+    p_den = plant.den
+    closed = c_num[-1] * p_num[-1] + c_den[-1] * p_den[-1]
+    if by == "impulse":
+        return 0.0, 0.0
+    if by == "disturbance":
+        return p_num[-1] * c_den[-1] / closed, -c_num[-1] * p_num[-1] / closed
+    if by == "step":
+        return c_num[-1] * p_num[-1] / closed, c_num[-1] * p_den[-1] / closed
+    # the ramp: S/w at w = 0, where S = den/(den + num)
+    den_0 = c_den[-1] * p_den[-1]
+    den_1 = _next(c_den) * p_den[-1] + c_den[-1] * _next(p_den)
+    error = inf if den_0 else den_1 / closed
+    # u must keep y growing by 1 a second: a ramp of its own unless the plant integrates
+    return error, inf if p_den[-1] else _next(p_den) / p_num[-1]
+
+
+def _next(a: "tuple[float, ...] | list[float]") -> float:
+    return a[-2] if len(a) > 1 else 0.0
