@@ -40,6 +40,8 @@ def _grid(loop: Loop, seen: Crossings) -> list[mpf]:
         low, top = min([*known, mpf(1)]) / 30, max([*known, mpf(1)]) * 30
     grow = (top / low) ** (mpf(1) / POINTS)
     even = [top * i / POINTS for i in range(1, POINTS)]
+    if loop.dead_time:
+        even += [mpf(i) / 2 / mpf(loop.dead_time) for i in range(1, 4 * POINTS)]
     return sorted({*(low * grow**i for i in range(POINTS + 1)), *even})
 
 
@@ -47,6 +49,8 @@ def _between(loop: Loop, a: mpf, b: mpf, here: mpc, there: mpc, seen: Crossings)
     flips = (abs(here) > 1) != (abs(there) > 1)
     if flips != (sum(a < w < b for w, _ in seen.gains) % 2 == 1):
         raise ArithmeticError(f"a gain crossing between {mp.nstr(a)} and {mp.nstr(b)}")
+    if (b - a) * loop.dead_time > 1:
+        return  # too long a step to tell a turn back from a turn round
     small_step = abs(there - here) < min(abs(here), abs(there))
     left = here.real < 0 and there.real < 0
     if loop.dead_time and min(abs(here), abs(there)) * delay.QUIET < 1:

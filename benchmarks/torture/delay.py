@@ -218,5 +218,8 @@ def _down(f: Callable[[mpf], mpf], a: mpf, b: mpf) -> mpf:
     for _ in range(6):
         h = x * mpf(10) ** -25
         left, here, right = (mp.log(f(x + i * h)) for i in (-1, 0, 1))
-        x -= h * (right - left) / 2 / (right - 2 * here + left)
+        bend = right - 2 * here + left
+        if bend <= 0:  # no valley, only the grid's rounding
+            break
+        x -= h * (right - left) / 2 / bend
     return x

@@ -55,12 +55,10 @@ class Infeasible(ZohError):
 
     def _advice(self) -> list[str]:
         advice = []
-        if self.best_pm_deg is not None:
-            advice.append(f"the best margin it can give here is {self.best_pm_deg:.4g} deg")
         if self.nearest_wc is not None:
-            advice.append(f"it can from wc = {self.nearest_wc:.4g} rad/s")
+            advice.append(f"the nearest crossover where it can is {self.nearest_wc:.7g} rad/s")
         if self.laws_that_can:
-            advice.append(f"laws that can: {', '.join(self.laws_that_can)}")
+            advice.append(f"laws that can here: {', '.join(self.laws_that_can)}")
         return advice
 
 

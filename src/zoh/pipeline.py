@@ -6,11 +6,14 @@ meets its specification in the loop it was measured in, or raises; none clamps.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from math import degrees, inf
+from math import cos, degrees
 from math import pi as half_turn
 
 from zoh import checks
+from zoh.analysis.closed import followable
 from zoh.analysis.loop import Loop
+from zoh.analysis.margins import measure_loop
+from zoh.analysis.results import Margins
 from zoh.analysis.stability import closed_loop_stable
 from zoh.analysis.verify import NOTHING_ASKED, Measured, Verified, measure, verified
 from zoh.design import first_order
@@ -19,7 +22,7 @@ from zoh.design import pi as pi_law
 from zoh.design import pid as pid_law
 from zoh.design.target import Target, nearest
 from zoh.errors import Infeasible, NotMet, SpecError
-from zoh.lti.systems import Plant, Sampled
+from zoh.lti.systems import Plant, Sampled, sample_time
 from zoh.sampling.hold import sample
 from zoh.spec import Crossover, Requirements
 
@@ -126,7 +129,7 @@ def lead(
     >>> arm = Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
     >>> lag(arm, dt=0.1, wc=3.29, pm_deg=40, dc_gain=10)
     Traceback (most recent call last):
-    zoh.errors.Infeasible: a lag lowers the phase ... needs +36... deg ...laws that can: ...lead...
+    zoh.errors.Infeasible: a lag ... needs +36.07 deg ... laws that can here: pd, pid, lead
     """
     given = {"wc": wc, "pm_deg": pm_deg, "dc_gain": dc_gain}
     return design(
@@ -146,6 +149,7 @@ def design(
     smaller margin at another crossover, or misses a requirement.
     """
     parameters = _checked(law, given)
+    followable(plant, sample_time(dt), compute_delay)
     sampled = sample(plant, dt, compute_delay)
 
     def checked(found: _Law, spec: Crossover | None) -> Verified:
@@ -174,8 +178,8 @@ def _free_p(
 ) -> Verified:
     """Return the P of a crossover alone, or of a margin alone: there the fastest that holds."""
     if "wc" in parameters:
-        Crossover(wc=parameters["wc"], pm_deg=90.0).below_nyquist(sampled.dt)
-        law = p_law.P(kp=1 / abs(sampled.at(parameters["wc"])), dt=sampled.dt)
+        target = Target.of(sampled, Crossover(wc=parameters["wc"], pm_deg=90.0))
+        law = p_law.P(kp=1 / target.size, dt=sampled.dt)
         return checked(_Law(controller=law.controller(), gains=law.gains), None)
     pm_deg = Crossover(wc=1.0, pm_deg=parameters["pm_deg"]).pm_deg
     failure: NotMet | None = None
@@ -211,7 +215,7 @@ def _solved(law: str, sampled: Sampled, spec: Crossover, parameters: Mapping[str
     elif law == "pi":
         found = pi_law.solve(sampled, spec)
     elif law in ("pd", "pid"):
-        found = pid_law.solve(sampled, spec, parameters.get("ki", 0.0))
+        found = pid_law.solve(sampled, spec, parameters["ki"] if law == "pid" else 0.0)
     elif law == "lag":
         found = first_order.lag(sampled, spec, parameters["dc_gain"])
     else:
@@ -223,42 +227,61 @@ def _solved(law: str, sampled: Sampled, spec: Crossover, parameters: Mapping[str
 def _not_as_asked(evidence: Measured, spec: Crossover | None) -> list[str]:
     """Return what is not as the crossover was asked for; instability speaks for itself."""
     m = evidence.margins
-    if spec is None or not m.stable:
+    if spec is None or not m.stable or not _off_target(m, spec):
         return []
-    at = m.crossover if m.crossover is not None else inf
-    if (
-        abs(m.phase_margin_deg - spec.pm_deg) <= _MARGIN_TOL_DEG
-        and abs(at / spec.wc - 1) <= _CROSSOVER_TOL
-    ):
-        return []
+    at = "no frequency" if m.crossover is None else f"{m.crossover:.6g} rad/s"
     return [
-        f"the phase margin is {m.phase_margin_deg:.6g} deg at {at:.6g} rad/s, another crossover "
+        f"the phase margin is {m.phase_margin_deg:.6g} deg at {at}, another crossover "
         f"of this loop, not {spec.pm_deg:g} deg at {spec.wc:g} rad/s"
     ]
+
+
+def _off_target(m: Margins, spec: Crossover) -> bool:
+    """Return whether the margin nearest to zero is another one than was asked for."""
+    return (
+        m.crossover is None
+        or abs(m.phase_margin_deg - spec.pm_deg) > _MARGIN_TOL_DEG
+        or abs(m.crossover / spec.wc - 1) > _CROSSOVER_TOL
+    )
 
 
 def _certified(
     refused: Infeasible, law: str, sampled: Sampled, spec: Crossover,
     parameters: Mapping[str, float],
 ) -> Infeasible:  # fmt: skip
-    """Return the refusal with where this law can, and which laws can here; both tried."""
+    """Return the refusal with where this law can, and which laws can here; all of it tried."""
 
-    def works(name: str, wc: float, given: Mapping[str, float]) -> bool:
+    def works(name: str, at: Crossover) -> bool:
         try:
-            found = _solved(name, sampled, Crossover(wc=wc, pm_deg=spec.pm_deg), given)
-        except (Infeasible, SpecError, KeyError):
+            found = _solved(name, sampled, at, {**_free(sampled, at), **parameters})
+        except (Infeasible, SpecError):
             return False
-        return closed_loop_stable(Loop.of(found.controller, sampled))
+        loop = Loop.of(found.controller, sampled)
+        return closed_loop_stable(loop) and not _off_target(measure_loop(loop), at)
 
-    size = abs(sampled.at(spec.wc))
-    tried = {**parameters, "ki": parameters.get("ki", _SMALL_KI * spec.wc / size)}
     return Infeasible(
         refused.reason,
         needed_deg=refused.needed_deg,
         best_pm_deg=refused.best_pm_deg,
-        nearest_wc=nearest(lambda wc: works(law, wc, parameters), spec.wc, sampled.dt),
-        laws_that_can=tuple(n for n in LAWS if n != law and works(n, spec.wc, tried)),
+        nearest_wc=nearest(
+            lambda wc: works(law, Crossover(wc=wc, pm_deg=spec.pm_deg)), spec.wc, sampled.dt
+        ),
+        laws_that_can=tuple(name for name in LAWS if name != law and works(name, spec)),
     )
+
+
+def _free(sampled: Sampled, spec: Crossover) -> dict[str, float]:
+    """Return values to try for gains that were not given: modest ones that leave room.
+
+    A small integral; a gain at w = 0 from which a lead has to rise, or a lag to fall, to twice
+    or half of it along the way.
+    """
+    target = Target.of(sampled, spec)
+    needed = max(cos(target.theta), 0.1) / target.size
+    return {
+        "ki": _SMALL_KI * spec.wc / target.size,
+        "dc_gain": needed / 2 if target.theta > 0 else 2 / (needed * target.size**2),
+    }
 
 
 def _checked(law: str, given: Mapping[str, float | None]) -> dict[str, float]:

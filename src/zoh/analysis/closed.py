@@ -42,15 +42,7 @@ def closed_loop(
     """
     if by not in EXCITATIONS:
         raise SpecError("by", f"must be one of {', '.join(EXCITATIONS)}", by, "choose one of these")
-    m, lead = whole_samples(plant.dead_time, compute_delay, controller.dt)
-    m += controller.delay
-    if m > LONGEST_DELAY:
-        raise SpecError(
-            "dead_time + compute_delay",
-            f"must be at most {LONGEST_DELAY} samples for a time response",
-            m,
-            "sample more slowly",
-        )
+    m, lead = followable(plant, controller.dt, compute_delay, controller.delay)
     held = Held.of(plant, controller.dt)
     ac, bc, cc, dc = realised(controller)
     n, nc = len(held.c), len(cc)
@@ -80,6 +72,24 @@ def closed_loop(
         dt=controller.dt, delta=delta, start=one + signal if by == "impulse" else one, own=own,
         output=output, effort=u, held=held, segments=segments,
     )  # fmt: skip
+
+
+def followable(plant: Plant, dt: float, compute_delay: float, more: int = 0) -> tuple[int, Decimal]:
+    """Return the loop's delay as (m, lead), m samples less a fraction, ``more`` samples included.
+
+    Raises SpecError for more samples than a time response is followed through.
+    """
+    if not isinstance(plant, Plant):
+        raise SpecError("plant", "must be a zoh.Plant", plant, "give num and den, or a formula")
+    m, lead = whole_samples(plant.dead_time, compute_delay, dt)
+    if m + more > LONGEST_DELAY:
+        raise SpecError(
+            "dead_time + compute_delay",
+            f"must be at most {LONGEST_DELAY} samples ({LONGEST_DELAY * dt:.6g} s) in a loop",
+            m + more,
+            "sample more slowly",
+        )
+    return m + more, lead
 
 
 def autonomous(system: Sampled) -> Motion:

@@ -1,8 +1,9 @@
-"""Where a function of frequency changes sign or turns, with none missed.
+"""Where a function of frequency changes sign, and where it is least.
 
 Roots of the squared polynomials say where to look; a grid that is dense around every pole,
 zero and closed-loop pole looks once more; a sign change between neighbours is then a root, and
-is closed in on with the function itself. No tolerance decides whether a root is there.
+is closed in on with the function itself. Two roots nearer to each other than rounding can tell
+apart (``_ONE``) count as one.
 """
 
 from collections.abc import Callable, Iterable
@@ -14,11 +15,12 @@ import numpy as np
 from zoh.analysis.loop import Array, Loop
 from zoh.lti import poly
 
-# distances from a mode's frequency in units of its damping: near enough to see its peak, far
-# enough to meet the decades grid
 _LAST_BIT = 2.3e-16
 _ONE = 1e-12  # relative distance of crossings that rounding cannot tell apart
 _MOST = 200_000  # points on a dead time's turns; more turns than that are not a control loop
+_VALLEYS = 500  # the lowest that are followed; a delay of 10 000 samples makes that many
+# distances from a mode's frequency in units of its damping: near enough to see its peak, far
+# enough to meet the decades grid
 _AROUND = np.array([-30.0, -10, -4, -2, -1, -0.5, -0.2, 0, 0.2, 0.5, 1, 2, 4, 10, 30])
 
 
@@ -124,16 +126,22 @@ def least(
 ) -> tuple[float, float]:
     """Return (v, minimum) of a function known as y at v, and between by its value and slope.
 
-    Each valley of y that could hold the least is followed to where the slope changes sign.
+    Every valley of y is followed to where the slope changes sign: how deep one goes between its
+    points, these do not tell.
     """
     y = np.where(np.isnan(y), inf, y)
     padded = np.concatenate([[inf], y, [inf]])
     valleys = np.flatnonzero((y <= padded[:-2]) & (y <= padded[2:]) & np.isfinite(y))
+    valleys = valleys[np.argsort(y[valleys])][:_VALLEYS]
     lowest = int(np.argmin(y))
     best_v, best = float(v[lowest]), float(y[lowest])
-    for i in valleys[y[valleys] <= 1.5 * best]:
-        a, b = float(v[max(i - 1, 0)]), float(v[min(i + 1, len(v) - 1)])
-        if not slope(a) < 0 < slope(b):
+    for i in valleys.tolist():
+        here = float(v[i])
+        side = i - 1 if slope(here) > 0 else i + 1
+        if not 0 <= side < len(v):
+            continue
+        a, b = sorted((here, float(v[side])))
+        if not slope(a) <= 0 <= slope(b):
             continue
         found = bracketed(slope, a, b)
         if value(found) < best:

@@ -79,14 +79,18 @@ class StepInfo:
     undershoot_pct      % of the final value on the other side of the start
     rise_time           s, from first reaching 10 % to first reaching 90 % of the final value
     settling_time       s, after which the response stays within 2 % of the final value
-    peak, peak_time     the largest size of the response, and when in s
+    peak, peak_time     the furthest it goes in the direction of its final value (in size, where
+                        that is 0), and when in s
     final_value         what it settles to
     steady_state_error  reference minus final value
     between_samples     the same, exactly, between the samples too; None where that is not known
     peak_effort         the largest |u| asked of the actuator, in input units; None for a bare T
 
+    effort_range        the least and the largest u; None for a bare T
+
     A percentage of a final value of 0, and a time that does not exist, are None: a response that
-    creeps up to its final value has no peak time.
+    creeps up to its final value has no peak time, one that does not come to rest within the time
+    it was followed (to 1e-8 of its slowest mode, or 400 000 samples that matter) no settling time.
     """
 
     overshoot_pct: float | None
@@ -99,6 +103,7 @@ class StepInfo:
     steady_state_error: float
     between_samples: "StepInfo | None" = None
     peak_effort: float | None = None
+    effort_range: tuple[float, float] | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON form."""
@@ -116,6 +121,8 @@ class StepInfo:
             out["between_samples"] = self.between_samples.to_dict()
         if self.peak_effort is not None:
             out["peak_effort"] = self.peak_effort
+        if self.effort_range is not None:
+            out["effort_range"] = list(self.effort_range)
         return out
 
 

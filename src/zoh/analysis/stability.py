@@ -24,7 +24,9 @@ def closed_loop_stable(loop: Loop) -> bool:
     that is unstable makes the loop unstable.
     """
     if not loop.dead_time:
-        return hurwitz([Decimal(d) + Decimal(n) for d, n in zip(loop.den, loop.num, strict=True)])
+        with digits.precision(digits.KEPT):
+            closed = [Decimal(d) + Decimal(n) for d, n in zip(loop.den, loop.num, strict=True)]
+        return hurwitz(closed)
     if loop.dt is not None and round(loop.dead_time / loop.dt) <= LONGEST:
         return hurwitz(_with_delay(loop, round(loop.dead_time / loop.dt)))
     return _none_encircled(loop)

@@ -86,13 +86,17 @@ def closed_loop_step(
     wave = Waveform.of(motion, motion.output, track)
     at_samples = _metrics(wave, final, between=False)
     between = _metrics(wave, final, between=True)
-    effort = abs(_gain_at_rest(plant, controller, effort=True))  # approached, if not passed
+    at_rest = _gain_at_rest(plant, controller, effort=True)  # approached, if not passed
+    low, high = min(0.0, at_rest), max(0.0, at_rest)
     if motion.effort is not None:
         asked = Waveform.of(replace(motion, held=None), motion.effort, track)
-        effort = max(effort, float(np.abs(asked.y).max()))
-    scaled = _scaled(at_samples, reference)
+        low, high = min(at_rest, float(asked.y.min())), max(at_rest, float(asked.y.max()))
+    ends = sorted((reference * low, reference * high))
     return replace(
-        scaled, between_samples=_scaled(between, reference), peak_effort=effort * abs(reference)
+        _scaled(at_samples, reference),
+        between_samples=_scaled(between, reference),
+        peak_effort=max(abs(end) for end in ends),
+        effort_range=(ends[0], ends[1]),
     )
 
 

@@ -5,14 +5,17 @@ and cannot be built from anything less. Nothing here knows how the controller ca
 law and its gains are labels.
 """
 
-from collections.abc import Mapping
+from cmath import exp
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
+from math import radians
 from typing import Any
 
+from zoh import checks
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import measure_loop
 from zoh.analysis.results import Margins, StepInfo
+from zoh.analysis.stability import closed_loop_stable
 from zoh.analysis.step import closed_loop_step
 from zoh.errors import NotMet, SpecError
 from zoh.lti.systems import Plant, Sampled
@@ -21,6 +24,31 @@ from zoh.sampling.hold import sample
 from zoh.spec import Requirements
 
 NOTHING_ASKED = Requirements()
+_SAME_GAIN = 1e-6  # two roads to one gain; they differ by rounding, another loop by far more
+
+
+class Gains(Mapping[str, float]):
+    """Gains by name, read-only; unlike a mapping proxy they can be pickled and hashed."""
+
+    __slots__ = ("_items",)
+
+    def __init__(self, items: Mapping[str, float]) -> None:
+        self._items = tuple(items.items())
+
+    def __getitem__(self, name: str) -> float:
+        return dict(self._items)[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return (name for name, _ in self._items)
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    def __hash__(self) -> int:
+        return hash(self._items)
+
+    def __repr__(self) -> str:
+        return repr(dict(self._items))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -116,8 +144,21 @@ class Verified(Measured):
 
     def __post_init__(self) -> None:
         found = missed(self.requirements, self.margins, self.step)
+        if self.step is None or not self._evidence_holds():
+            found.append("the evidence is not this loop's")
         if found or self.misses:
             raise NotMet(tuple(found) or self.misses, self)
+
+    def _evidence_holds(self) -> bool:
+        """Return whether the loop, put together anew, is stable and crosses where it is said to."""
+        sampled = sample(self.plant, self.controller.dt, self.compute_delay)
+        if not closed_loop_stable(Loop.of(self.controller, sampled)):
+            return False
+        for wc, pm_deg in self.margins.gain_crossings:
+            gain = self.controller.at(wc) * sampled.at(wc)
+            if abs(gain + exp(1j * radians(pm_deg))) > _SAME_GAIN:
+                return False
+        return True
 
 
 def measure(
@@ -141,6 +182,13 @@ def measure(
         raise SpecError("controller", "must be a zoh.Sampled", controller, "give num, den and dt")
     if dt is not None and dt != controller.dt:
         raise SpecError("dt", f"must be the controller's {controller.dt!r} s", dt, "use one clock")
+    reference = checks.number("reference", reference, "give the size of the step")
+    if reference == 0:
+        raise SpecError("reference", "must not be 0", reference, "a step of 0 shows nothing")
+    if not isinstance(requirements, Requirements):
+        raise SpecError(
+            "requirements", "must be zoh.Requirements", requirements, "zoh.Requirements(ms=1.8)"
+        )
     sampled = sample(plant, controller.dt, compute_delay)
     margins = measure_loop(Loop.of(controller, sampled))
     step = None
@@ -149,7 +197,7 @@ def measure(
     return Measured(
         name=name or law,
         law=law,
-        gains=MappingProxyType(dict(gains or {})),
+        gains=Gains(dict(gains or {})),
         plant=plant,
         sampled=sampled,
         controller=controller,

@@ -143,16 +143,27 @@ def hidden_instability(project: Project) -> str | None:
 
 def warnings(project: Project, entries: Sequence[Entry]) -> tuple[str, ...]:
     """Return what the numbers do not show: hidden modes, an actuator asked for too much."""
-    ends = [abs(x) for x in (project.actuator.low, project.actuator.high) if x is not None]
-    unit = f" {project.input_unit}" if project.input_unit else ""
     hidden = hidden_instability(project)
     said = [] if hidden is None else [hidden]
     for entry in entries:
         step = None if entry.measured is None else entry.measured.step
-        if ends and step is not None and (step.peak_effort or 0.0) > max(ends):
-            said.append(
-                f"{entry.name} asks for {step.peak_effort:.4g}{unit} in a step of "
-                f"{project.reference:g}, the actuator ends at {max(ends):g}{unit}: it saturates, "
-                "and the step response is not the linear one shown"
-            )
+        if step is not None and step.effort_range is not None:
+            said += _saturation(project, entry.name, step.effort_range)
     return tuple(said)
+
+
+def _saturation(project: Project, name: str, effort: tuple[float, float]) -> list[str]:
+    """Return a line for each end of the actuator that a step of the output passes.
+
+    The reference of the file is in output units; the sensor turns it into what is compared.
+    """
+    low, high = sorted(project.plant.sensor * u for u in effort)
+    unit = f" {project.input_unit}" if project.input_unit else ""
+    ends = ((low, project.actuator.low, min), (high, project.actuator.high, max))
+    return [
+        f"{name} asks for {u:.4g}{unit} in a step of {project.reference:g}"
+        f"{' ' + project.output_unit if project.output_unit else ''} of the output, the actuator "
+        f"ends at {end:g}{unit}: it saturates, and the response is not the linear one shown"
+        for u, end, further in ends
+        if end is not None and further(u, end) != end
+    ]

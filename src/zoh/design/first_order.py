@@ -76,7 +76,9 @@ def lead(plant: Sampled, spec: Crossover, dc_gain: float) -> FirstOrder:
     target = Target.of(plant, spec)
     able = lead_phases(target, dc_gain)
     if not target.inside(able):
-        raise refusal("a lead", _able("raises", dc_gain, able), target, spec, able)
+        raise refusal(
+            f"a lead of dc_gain {dc_gain:g}", target, spec, able, "has a gain above that everywhere"
+        )
     return _corners(target, dc_gain)
 
 
@@ -93,16 +95,10 @@ def lag(plant: Sampled, spec: Crossover, dc_gain: float) -> FirstOrder:
     target = Target.of(plant, spec)
     able = lag_phases(target, dc_gain)
     if not target.inside(able):
-        raise refusal("a lag", _able("lowers", dc_gain, able), target, spec, able)
+        raise refusal(
+            f"a lag of dc_gain {dc_gain:g}", target, spec, able, "has a gain below that everywhere"
+        )
     return _corners(target, dc_gain)
-
-
-def _able(verb: str, dc_gain: float, able: Phases) -> str:
-    if able is not None:
-        return f"with dc_gain {dc_gain:g} {verb} the phase by too little"
-    side = "above" if verb == "raises" else "below"
-    sign = "raises" if verb == "raises" else "lowers"
-    return f"{sign} the phase and has a gain {side} its dc_gain {dc_gain:g} everywhere"
 
 
 def _corners(target: Target, dc_gain: float) -> FirstOrder:

@@ -50,7 +50,7 @@ def solve(plant: Sampled, spec: Crossover) -> P:
     """
     target = Target.of(plant, spec)
     if not target.inside(phases(target)):
-        raise refusal("a P", "turns the phase by nothing", target, spec, phases(target))
+        raise refusal("a P", target, spec, phases(target), "")
     return P(kp=1 / target.size, dt=plant.dt)
 
 

@@ -54,6 +54,6 @@ def solve(plant: Sampled, spec: Crossover) -> PI:
     """
     target = Target.of(plant, spec)
     if not target.inside(phases(target)):
-        raise refusal("a PI", "turns the phase by -90 to 0 deg", target, spec, phases(target))
+        raise refusal("a PI", target, spec, phases(target), "")
     size, theta = target.size, target.theta
     return PI(kp=cos(theta) / size, ki=-target.v * sin(theta) / size, dt=plant.dt)

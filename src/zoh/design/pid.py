@@ -74,8 +74,7 @@ def solve(plant: Sampled, spec: Crossover, ki: float) -> PID:
     target = Target.of(plant, spec)
     able = phases(target, ki)
     if not target.inside(able):
-        name, can = ("a PID", f"with ki = {ki:g} and positive gains") if ki else ("a PD", "")
-        raise refusal(name, f"{can} turns the phase too little".strip(), target, spec, able)
+        raise refusal(_name(ki), target, spec, able, _no_room(target))
     x = target.v * target.dt / 2
     imaginary = sin(target.theta) / target.size + ki / target.v
     return PID(
@@ -84,3 +83,14 @@ def solve(plant: Sampled, spec: Crossover, ki: float) -> PID:
         kd=imaginary * (1 + x * x) / target.v,
         dt=plant.dt,
     )
+
+
+def _name(ki: float) -> str:
+    return f"a PID with ki = {ki:g} and positive kp and kd" if ki else "a PD with positive gains"
+
+
+def _no_room(target: Target) -> str:
+    """Return why there is no positive kp: at w = j v the integral's share is too large."""
+    x = target.v * target.dt / 2
+    most = target.v * hypot(1.0, x) / (x * target.size)
+    return f"has no positive kp here: its ki must be below {most:.4g}"

@@ -13,7 +13,7 @@ on digital controller design by frequency response.
 from cmath import phase
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import degrees, pi, radians, remainder, tau
+from math import ceil, degrees, floor, log10, pi, radians, remainder, tau
 
 from zoh.errors import Infeasible, SpecError
 from zoh.lti.poly import at
@@ -76,42 +76,46 @@ class Target:
         return degrees(high) if high > 0 else None
 
 
-def refusal(law: str, can: str, target: Target, spec: Crossover, phases: Phases) -> Infeasible:
-    """Return why a law cannot, with the phase it would have to give."""
+def refusal(law: str, target: Target, spec: Crossover, phases: Phases, why: str) -> Infeasible:
+    """Return why a law cannot: the phases it gives, or ``why`` none, and what is needed."""
     needed = degrees(target.theta)
-    here = "" if phases is None else f" (here {_span(phases)})"
-    return Infeasible(
-        f"{law} {can}{here}; a margin of {spec.pm_deg:g} deg at {spec.wc:g} rad/s needs "
-        f"{needed:+.4g} deg and a gain of {1 / target.size:.4g}",
-        needed_deg=needed,
-        best_pm_deg=target.best_margin_deg(phases, spec),
-    )
+    gives = why if phases is None else f"turns the phase by {_span(phases)} deg here"
+    best = target.best_margin_deg(phases, spec)
+    asked = f"a margin of {spec.pm_deg:g} deg at {spec.wc:g} rad/s needs {needed:+.4g} deg"
+    reason = f"{law} {gives}; {asked} and a gain of {1 / target.size:.4g}"
+    if best is not None and best < spec.pm_deg:
+        reason += f"; the best margin it can give here is {best:.4g} deg"
+    return Infeasible(reason, needed_deg=needed, best_pm_deg=best)
 
 
 def _span(phases: tuple[float, float]) -> str:
-    return f"{degrees(phases[0]):+.4g} to {degrees(phases[1]):+.4g} deg"
+    return " to ".join(f"{degrees(end):+.4g}" if abs(end) > 1e-9 else "0" for end in phases)
 
 
 def nearest(works: Callable[[float], bool], wc: float, dt: float) -> float | None:
     """Return the frequency nearest to wc (in log) at which ``works`` says yes, None if nowhere.
 
     Looked for from wc outwards, 1 % at a time down to wc/1000 and up to Nyquist's frequency;
-    the edge is then closed in on, and the answer is on its working side.
+    the edge is then closed in on, and left on its working side by rounding to seven digits, so
+    that what is printed works too.
     """
     top = pi / dt
     for step in range(1, 700):
-        for wider, nearer in ((1.01**-step, 1.01 ** (1 - step)), (1.01**step, 1.01 ** (step - 1))):
-            probe = wc * wider
+        for side in (-1, 1):
+            probe = wc * 1.01 ** (side * step)
             if probe < top and works(probe):
-                return _edge(works, wc * nearer, probe)
+                return _edge(works, wc * 1.01 ** (side * (step - 1)), probe)
     return None
 
 
 def _edge(works: Callable[[float], bool], bad: float, good: float) -> float:
+    """Return the working end of the edge between bad and good."""
     for _ in range(40):
         middle = (bad + good) / 2
         if works(middle):
             good = middle
         else:
             bad = middle
-    return good
+    unit = 10.0 ** (floor(log10(good)) - 6)
+    rounded = (ceil(good / unit) if good > bad else floor(good / unit)) * unit
+    return rounded if works(rounded) else good

@@ -199,15 +199,24 @@ class Sampled:
     ) -> "Sampled":
         """Return the system num_w(w)/den_w(w) z^-delay; z-coefficients scaled to den[0] = 1.
 
+        Raises SpecError for dt <= 0, a negative delay or a denominator of zeros.
+
         >>> Sampled.from_w(num_w=[1.0], den_w=[1.0, 0.0], dt=2.0)  # 1/w = (z+1)/(z-1)
         Sampled(num=(1.0, 1.0), den=(1.0, -1.0), dt=2.0)
         """
+        sample_time(dt)
+        if delay < 0 or delay != int(delay):
+            raise SpecError("delay", "must be whole samples, 0 or more", delay, "count samples")
         n = max(len(num_w), len(den_w)) - 1
         top, bottom = w_to_z(num_w, dt, n), w_to_z(den_w, dt, n)
-        lead = next(c for c in bottom if c)
+        if not any(bottom):
+            raise SpecError("den_w", "must not be all zeros", list(den_w), "give one coefficient")
+        with digits.precision(digits.KEPT):
+            lead = next(c for c in bottom if c)
+            num, den = (digits.rounded([c / lead for c in a]) for a in (top, bottom))
         return cls.made(
-            num=tuple(float(c / lead) for c in top),
-            den=tuple(float(c / lead) for c in bottom) + (0.0,) * delay,
+            num=num,
+            den=den + (0.0,) * delay,
             dt=dt,
             num_w=poly.padded(num_w, n + 1),
             den_w=poly.padded(den_w, n + 1),

@@ -55,15 +55,14 @@ def in_w(system: Sampled, digits: int = 6) -> str:
 def number(value: float | None, digits: int = 4) -> str:
     """Return a value for a person to read: no more digits than asked, infinity as ∞.
 
-    >>> number(2.88961, 3), number(inf), number(None), number(-1e-17)
+    >>> number(2.88961, 3), number(inf), number(None), number(-0.0)
     ('2.89', '∞', '-', '0')
     """
     if value is None:
         return NOTHING
     if value == inf:
         return "∞"
-    text = f"{0.0 if abs(value) < 1e-12 else value:.{digits}g}"  # rounding of a zero
-    return text
+    return f"{value or 0.0:.{digits}g}"  # no minus before a zero
 
 
 def cell(text: str) -> str:
