@@ -56,9 +56,9 @@ class _Phase:
         self.theta = loop.dead_time
         self.signs, self.roots = [], []
         for a, sign in ((loop.num, 1), (loop.den, -1)):
-            low = next(i for i, c in enumerate(a) if c)
-            self.roots += _roots(a[low:])
-            self.signs += [sign] * (len(a) - 1 - low)
+            found = _roots(a)
+            self.roots += found
+            self.signs += [sign] * len(found)
         lead = (loop.num[-1] > 0) == (loop.den[-1] > 0)
         zeros = [next(i for i, c in enumerate(a) if c) for a in (loop.num, loop.den)]
         self.start = (0.0 if lead else pi) + (zeros[0] - zeros[1]) * pi / 2
@@ -73,6 +73,8 @@ class _Phase:
 
 
 def _roots(a: Poly) -> list[complex]:
+    """Return the roots, those at 0 left out."""
+    a = a[next(i for i, c in enumerate(a) if c) :]
     n = len(a) - 1
     if n < 1:
         return []
@@ -150,7 +152,7 @@ def stable(loop: "Loop") -> bool:
 
 
 def _on_the_right(a: Poly) -> int:
-    return sum(r.real >= 0 for r in _roots(a))
+    return (a[0] == 0) + sum(r.real >= 0 for r in _roots(a))
 
 
 def least_ratio(loop: "Loop", top: tuple[int, int], bottom: tuple[int, int]) -> tuple[mpf, mpf]:
@@ -186,7 +188,7 @@ def _at_zero(loop: "Loop", top: tuple[int, int], bottom: tuple[int, int]) -> mpf
 def _seen(
     loop: "Loop", top: tuple[int, int], bottom: tuple[int, int]
 ) -> tuple[np.ndarray, np.ndarray]:
-    roots = [r for a in (loop.num, loop.den) for r in _roots(a) if r]
+    roots = [r for a in (loop.num, loop.den) for r in _roots(a)]
     sizes = [abs(r) for r in roots] + [1 / loop.dead_time]
     last = max(_loudest(loop), 10 / loop.dead_time)
     around = [abs(r.imag) + r.real * x for r in roots for x in np.linspace(-5, 5, 401)]
@@ -199,7 +201,7 @@ def _seen(
     num, den = (np.polyval([float(mp.ldexp(c, -lift)) for c in reversed(a)], s)
                 for a in (loop.num, loop.den))  # fmt: skip
     num = num * np.exp(-s * loop.dead_time)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(all="ignore"):  # at a zero and far out; those points win nothing
         return w, np.abs((top[0] * den + top[1] * num) / (bottom[0] * den + bottom[1] * num))
 
 

@@ -66,10 +66,14 @@ def faults(spec: Spec, truth: dict[str, Any], said: Answer, by: Measure) -> froz
     found = set()
     if said.stable is not None and "stable" not in truth["doubt"]:
         found |= {"stable"} if said.stable != truth["stable"] else set()
-    if said.gm is not None and not _any_close(said.gm, true.gain_margins(), by.relative):
-        found.add("GM")
-    if said.pm_deg is not None and not _any_turned(said.pm_deg, true.phase_margins(), by.pm_deg):
-        found.add("PM")
+    for name, value, goals, near, tolerance in (
+        ("GM", said.gm, true.gain_margins() | true.excused("phases", said.phases), _close,
+         by.relative),
+        ("PM", said.pm_deg, true.phase_margins() | true.excused("gains", said.gains), _turned,
+         by.pm_deg),
+    ):  # fmt: skip
+        if value is not None and not any(near(value, goal, tolerance) for goal in goals):
+            found.add(name)
     found |= _crossing_faults(true, said, by)
     for name, value, key in (("Ms", said.ms, "modulus"), ("Mt", said.mt, "mt"),
                              ("disk", said.disk, "disk")):  # fmt: skip
@@ -78,7 +82,9 @@ def faults(spec: Spec, truth: dict[str, Any], said: Answer, by: Measure) -> froz
         at_infinity = by.generous and spec["form"] == "s" and truth[key] == "1.0"
         if value is not None and not at_infinity and not _close(value, goal, by.relative):
             found.add(name)
-    if said.delay is not None and not _any_close(said.delay, true.delays(), by.relative):
+    if said.delay is not None and not any(
+        _close(said.delay, goal, by.relative) for goal in true.delays()
+    ):
         found.add("delay")
     return frozenset(found)
 
@@ -89,7 +95,9 @@ class _Truth:
     def __init__(self, spec: Spec, truth: dict[str, Any], by: Measure) -> None:
         self.nyquist = pi / spec["dt"] if spec.get("dt") else inf
         self.generous = by.generous
-        self.loose, self.sure, self.maybe = {}, {}, {}
+        self.sure: dict[str, list[Crossing]] = {}
+        self.maybe: dict[str, list[Crossing]] = {}
+        self.doubt: dict[str, list[Crossing]] = {}
         gains = [float(w) for w, _ in truth["gains"]]
         self.floor = 1e-4 * max(gains, default=0.0) if by.generous else 0.0
         quiet = QUIET * 0.99 if spec.get("dead_time") else inf
@@ -97,6 +105,7 @@ class _Truth:
             doubt = truth["doubt"].get(kind, [])
             every = [c for c in truth[kind] if kind == "gains" or float(c[1]) < quiet]
             self.sure[kind] = _floats(c for c in every if c not in doubt)
+            self.doubt[kind] = _floats(doubt)
             self.maybe[kind] = _floats(doubt)
             low = [c for c in self.sure[kind] if c[0] < self.floor]
             self.maybe[kind] += low
@@ -115,6 +124,14 @@ class _Truth:
         for n in range(len(maybe) + 1):
             for some in combinations(maybe, n):
                 yield [*self.sure[kind], *some]
+
+    def in_doubt(self, kind: str, c: Crossing) -> bool:
+        """Return whether a tool's crossing is one that the last bits decide about."""
+        return any(_near(c[0], m[0], 3.0) for m in self.doubt[kind])
+
+    def excused(self, kind: str, given: tuple[Crossing, ...] | None) -> set[float]:
+        """Return the margins at a tool's crossings that are in doubt: no value there is wrong."""
+        return {c[1] for c in given or () if self.in_doubt(kind, c)}
 
     def gain_margins(self) -> set[float]:
         return {
@@ -141,7 +158,7 @@ def _crossing_faults(true: _Truth, said: Answer, by: Measure) -> set[str]:
         allowed = [
             c for c in invented
             if c[0] < true.floor or (by.generous and kind == "phases" and true.at_end(c))
-            or any(_near(c[0], m[0], 3.0) for m in true.maybe[kind])
+            or true.in_doubt(kind, c)
             or (kind == "phases" and c[1] >= QUIET * 0.98 and true.nyquist == inf)
         ]  # fmt: skip
         found |= {"missed"} if missed else set()
@@ -193,11 +210,3 @@ def _turned(value: float, goal: float, pm_deg: float) -> bool:
     if not (isfinite(goal) and isfinite(value)):
         return value == goal
     return abs(remainder(value - goal, 360.0)) <= pm_deg
-
-
-def _any_close(value: float, goals: set[float], relative: float) -> bool:
-    return any(_close(value, goal, relative) for goal in goals)
-
-
-def _any_turned(value: float, goals: set[float], pm_deg: float) -> bool:
-    return any(_turned(value, goal, pm_deg) for goal in goals)

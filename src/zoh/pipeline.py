@@ -6,8 +6,9 @@ meets its specification in the loop it was measured in, or raises; none clamps.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from math import cos, degrees
-from math import pi as half_turn
+from math import cos
+
+import numpy as np
 
 from zoh import checks
 from zoh.analysis.closed import followable
@@ -203,9 +204,9 @@ def _free_p(
 
 def _least_turn(sampled: Sampled, pm_deg: float) -> float:
     """Return the smallest phase in deg, over all frequencies, that would make up the margin."""
-    grid = [half_turn / sampled.dt * (i + 0.5) / 500 for i in range(500)]
-    turns = [degrees(Target.of(sampled, Crossover(wc=w, pm_deg=pm_deg)).theta) for w in grid]
-    return min(turns, key=abs)
+    phase = np.degrees(np.angle(sampled.at(p_law.looked_at(sampled))))
+    turns = (pm_deg - phase) % 360.0 - 180.0
+    return float(turns[np.argmin(np.abs(turns))])
 
 
 def _solved(law: str, sampled: Sampled, spec: Crossover, parameters: Mapping[str, float]) -> _Law:

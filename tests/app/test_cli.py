@@ -230,10 +230,16 @@ def test_kinds_by_poles_and_zeros(num_w, den_w, kind):
 
 
 def test_an_actuator_that_cannot_is_said(good, run):
-    _, out, _ = run(good + "[actuator]\nmin = -2\nmax = 5\n", "--json")
+    # the step is one of the output, 1/15 as much where the controller compares
+    _, out, _ = run(good + "[actuator]\nmin = -2\nmax = 0.25\n", "--json")
     result = json.loads(out)
-    assert result["designs"][0]["step"]["peak_effort"] > 5
-    assert "the actuator ends at 5: it saturates" in result["warnings"][0]
+    assert result["designs"][0]["step"]["peak_effort"] == pytest.approx(5.8389, abs=1e-4)  # printed
+    assert "asks for 0.3893" in result["warnings"][0]
+    assert "the actuator ends at 0.25: it saturates" in result["warnings"][0]
+    _, out, _ = run(good + "[actuator]\nmin = -2\nmax = 0.4\n", "--json")
+    assert json.loads(out)["warnings"] == []
+    _, out, _ = run(good + "[actuator]\nmin = -2\nmax = 5\n[reference]\nstep = -6\n", "--json")
+    assert "asks for -2.336" in json.loads(out)["warnings"][0]
     _, out, _ = run(good + "[actuator]\nmin = -2\nmax = 500\n", "--json")
     assert json.loads(out)["warnings"] == []
 

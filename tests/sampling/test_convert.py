@@ -326,10 +326,11 @@ def test_refuses_a_pole_that_would_come_before_its_input(method, pole):
     assert discretise(Plant(num=[1], den=[1, -pole]), 0.5, "forward").den == (1, -1 - pole / 2)
 
 
-@pytest.mark.parametrize("method", ["foh", "matched"])
-def test_refuses_a_plant_that_leaves_the_floats_within_a_sample(method):
+@pytest.mark.parametrize("method", ["zoh", "foh", "impulse", "matched"])
+@pytest.mark.parametrize("pole", [1.0, 1e20])  # exp(1e23) is beyond decimals too
+def test_refuses_a_plant_that_leaves_the_floats_within_a_sample(method, pole):
     with pytest.raises(SpecError, match="sample faster"):
-        discretise(Plant(num=[1], den=[1, -1]), 1e3, method)
+        discretise(Plant(num=[1], den=[1, -pole]), 1e3, method)
 
 
 def test_order_twenty_with_repeated_poles_is_right_at_any_sample_time():

@@ -238,6 +238,12 @@ def test_refuses_what_the_method_does_not_make_and_says_how_far_off_it_is(method
     assert float(error.value.value) > 1e-9
 
 
+def test_refuses_a_pure_gain_as_an_impulse_response():
+    with pytest.raises(SpecError, match="must have a pole for method 'impulse'"):
+        undiscretise(Sampled(num=[2], den=[1, 0], dt=0.1), "impulse")
+    assert undiscretise(Sampled(num=[2], den=[1], dt=0.1), "matched").num == (2.0,)
+
+
 def test_refuses_poles_whose_plant_is_improper():
     with pytest.raises(SpecError, match="no pole at z = -1"):
         undiscretise(Sampled(num=[1], den=[1, 1], dt=0.1), "tustin")

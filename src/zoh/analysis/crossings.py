@@ -36,8 +36,8 @@ def landmarks(loop: Loop) -> Array:
         size = np.append(size, 1 / loop.dead_time)
     if not size.size:
         size = np.array([1.0])
-    low, high = size.min() / 100, size.max() * 100
-    count = int(12 * np.log10(high / low)) + 2
+    low, high = max(size.min() / 100, 1e-300), min(size.max() * 100, 1e300)
+    count = int(12 * (np.log10(high) - np.log10(low))) + 2
     around = np.abs(every.imag)[:, None] + np.abs(every.real)[:, None] * _AROUND
     v = np.concatenate([np.geomspace(low, high, count), around.ravel(), np.abs(every)])
     v = v[(v >= low * 1e-3) & (v <= high * 1e3)]

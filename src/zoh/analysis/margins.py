@@ -163,7 +163,8 @@ def _phase_crossings(seen: _Seen) -> list[tuple[float, float]]:
         product = (top * bottom.conjugate()).real
         if product < -_AT_A_ROOT * _bulk(loop, v):
             crossings.append((loop.frequency(v), -_square(bottom) / product))
-    return sorted(crossings + _at_the_ends(loop))
+    every = crossings + _at_the_ends(loop)
+    return sorted((w, factor) for w, factor in every if 0 < factor < inf)  # what a float holds
 
 
 def _at_the_ends(loop: Loop) -> list[tuple[float, float]]:

@@ -11,8 +11,10 @@ from dataclasses import dataclass
 from math import pi, radians, remainder, tau
 
 import numpy as np
+import numpy.typing as npt
 
 from zoh.design.target import Phases, Target, refusal
+from zoh.lti.poly import roots as poly_roots
 from zoh.lti.systems import Sampled
 from zoh.spec import Crossover
 
@@ -66,13 +68,28 @@ def crossovers(plant: Sampled, pm_deg: float) -> list[float]:
         g = plant.at(wc)
         return remainder(float(np.angle(g)) - radians(pm_deg - 180), tau)
 
-    top = pi / plant.dt
-    grid = np.unique(np.concatenate([np.geomspace(1e-7, 0.1, 400), np.linspace(0.1, 1, 2000)[:-1]]))
-    wc = grid * top
+    wc = looked_at(plant)
     value = np.remainder(np.angle(plant.at(wc)) - radians(pm_deg - 180) + pi, tau) - pi
     # a jump of the wrapped angle from +pi to -pi is no root
     flips = np.flatnonzero((value[1:] * value[:-1] <= 0) & (np.abs(value[1:] - value[:-1]) < pi))
     return sorted((_root(off, float(wc[i]), float(wc[i + 1])) for i in flips), reverse=True)
+
+
+def looked_at(plant: Sampled) -> npt.NDArray[np.float64]:
+    """Return frequencies in rad/s between which the plant's phase turns by little.
+
+    Sixty a decade around the plant's corners in w, more around each resonance, and every tenth
+    of a radian of its delay.
+    """
+    roots = np.concatenate([poly_roots(plant.num_w), poly_roots(plant.den_w), [2 / plant.dt]])
+    sizes = np.abs(roots[roots != 0])
+    low, high = sizes.min() / 1e3, sizes.max() * 1e3
+    even = np.geomspace(low, high, int(60 * np.log10(high / low)))
+    around = np.abs(roots.imag)[:, None] + np.abs(roots.real)[:, None] * np.linspace(-4, 4, 33)
+    v = np.concatenate([even, around.ravel()])
+    turns = np.linspace(0, pi / plant.dt, 32 * (plant.delay + 1), endpoint=False)
+    wc = np.concatenate([2 / plant.dt * np.arctan(v[v > 0] * plant.dt / 2), turns[1:]])
+    return np.unique(wc[(wc > 0) & (wc < pi / plant.dt)])
 
 
 def _root(off: Callable[[float], float], a: float, b: float) -> float:

@@ -155,7 +155,7 @@ def _warped(w: Array, dt: float) -> Array:
 def _axis(loop: Plant | Sampled, found: Margins) -> Array:
     marks = (found.crossover, found.phase_crossover)
     low = lowest(loop, *marks)
-    known = [m for m in marks if m]
+    known = [m for m in marks if m and isfinite(m)]
     high = (
         NEAR_NYQUIST * pi / loop.dt if isinstance(loop, Sampled) else 100 * max(known, default=1.0)
     )
@@ -178,7 +178,7 @@ def _mark_margins(top: Axes, bottom: Axes, loop: Plant | Sampled, found: Margins
         bottom.plot([wc, wc], [reference, at], **_MARK)
         _tag(bottom, wc, (reference + at) / 2, f"{found.phase_margin_deg:.1f}°", above=False)
     bottom.axhline(reference, **_GUIDE)
-    if wpc and found.gain_margin < inf:
+    if wpc and isfinite(wpc) and found.gain_margin < inf:
         top.axvline(wpc, **_GUIDE)
         bottom.axvline(wpc, **_GUIDE)
         top.plot([wpc, wpc], [-found.gain_margin_db, 0], **_MARK)

@@ -6,7 +6,7 @@ once, in ``METHODS``.
 """
 
 from collections.abc import Callable, Mapping
-from decimal import Decimal
+from decimal import Decimal, Overflow
 from math import pi
 
 from zoh import checks
@@ -14,6 +14,7 @@ from zoh.errors import SpecError
 from zoh.lti.systems import Plant, Sampled, sample_time
 from zoh.sampling import differences, invariant, inverse, matched
 from zoh.sampling.hold import sample, whole_samples
+from zoh.sampling.rounding import out_of_range
 
 METHODS: Mapping[str, str] = {
     "zoh": "exact at the samples for an input held between them",
@@ -95,18 +96,29 @@ def _forward(dt: float, method: str, prewarp: float | None) -> Callable[[Plant],
         raise SpecError("method", "must be a known method", method, f"give one of {kept}")
     if prewarp is not None or method == "prewarp":
         _check_prewarp(dt, method, prewarp)
+    a = _stretch(dt, prewarp)
+
+    def made(plant: Plant) -> Sampled:
+        try:
+            return _sampled(plant, dt, method, a)
+        except Overflow:  # exp(s dt) of an unstable pole, beyond what decimals hold
+            raise out_of_range(dt) from None
+
+    return made
+
+
+def _sampled(plant: Plant, dt: float, method: str, a: Decimal) -> Sampled:
+    """Return the plant by this method; ``a`` is Tustin's factor."""
     if method == "zoh":
-        return lambda plant: sample(plant, dt)
+        return sample(plant, dt)
     if method == "foh":
-        return lambda plant: invariant.ramp(plant, dt)
+        return invariant.ramp(plant, dt)
     if method == "impulse":
-        return lambda plant: invariant.impulse(plant, dt)
+        return invariant.impulse(plant, dt)
+    delay = _whole(plant, dt, method)
     if method == "matched":
-        return lambda plant: matched.match(plant, dt, delay=_whole(plant, dt, method))
-    theta, a = _THETA[method], _stretch(dt, prewarp)
-    return lambda plant: differences.to_sampled(
-        plant, dt, theta=theta, a=a, delay=_whole(plant, dt, method)
-    )
+        return matched.match(plant, dt, delay=delay)
+    return differences.to_sampled(plant, dt, theta=_THETA[method], a=a, delay=delay)
 
 
 def _stretch(dt: float, prewarp: float | None) -> Decimal:

@@ -127,6 +127,13 @@ def _unheld(form: Form, method: str) -> Plant:
     The samples of that response are linear in the derivatives at 0+, and the matrix is that of
     exp(sigma j) in the ring of the plant's poles.
     """
+    if method == "impulse" and len(form.den_z) == 1:
+        raise SpecError(
+            "system",
+            "must have a pole for method 'impulse'",
+            [float(form.num_z[0] / form.den_z[0])],
+            "a gain without poles has no sampled impulse response; use method 'zoh'",
+        )
     order, den = _RESPONSE[method], _poles(form)
     values = _responses(form, order)
     augmented = (*den, _ZERO) if method == "foh" else den

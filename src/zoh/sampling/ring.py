@@ -13,13 +13,15 @@ Exponential of a Matrix, SIAM Review 45(1), 2003, method 8 (Cayley-Hamilton), wh
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from decimal import Decimal
+from decimal import Decimal, Overflow
 from math import ceil, log10
 
+from zoh.errors import SpecError
 from zoh.lti.digits import Exact, precision
 
 _ZERO, _ONE = Decimal(0), Decimal(1)
 _LN10 = 2.302585092994046
+_MOST_HALVINGS = 60  # of the exponential's argument: a mode 1e17 times faster than dt
 _CAP = 800.0  # digits; what is smaller than 1e-800 of its neighbour is 0 in a float
 
 
@@ -103,10 +105,28 @@ class StepResponse:
         return _from_traces(traces[: self.order - self.integrators]), values
 
     def exponential(self, t: Decimal) -> list[Decimal]:
-        """Return exp(sigma t) mod the modulus, by Taylor's series, halved and squared."""
+        """Return exp(sigma t) mod the modulus, by Taylor's series, halved and squared.
+
+        Raises SpecError where a mode is so fast against dt that no exponent holds its growth.
+        """
         size = _bound((_ONE, *self.modulus[::-1])) + _log10(t)
         halvings = max(0, ceil((size + log10(8)) / log10(2)))
-        step = t / 2**halvings
+        try:
+            if halvings > _MOST_HALVINGS:
+                raise Overflow
+            total = self._series(t / 2**halvings)
+            for _ in range(halvings):
+                total = self._product(total, total)
+        except Overflow:
+            raise SpecError(
+                "dt",
+                "must not be as long against the plant's fastest mode",
+                f"1e{size:.0f} times its time constant",
+                "sample faster, or leave the fast mode out of the model",
+            ) from None
+        return total
+
+    def _series(self, step: Decimal) -> list[Decimal]:
         term: list[Decimal] = [_ONE] + [_ZERO] * self.order
         total, k = term, 0
         while any(term):
@@ -117,8 +137,6 @@ class StepResponse:
             if k > self.order and grown == total:
                 break
             total = grown
-        for _ in range(halvings):
-            total = self._product(total, total)
         return total
 
     def times_sigma(self, a: list[Decimal]) -> list[Decimal]:
