@@ -9,12 +9,20 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
-from rich.console import Console
-from rich.progress import track
-
-from benchmarks.torture import holds, loops, page, run_control, run_octave, run_scipy, run_zoh, table
+from benchmarks.torture import (
+    holds,
+    loops,
+    page,
+    run_control,
+    run_octave,
+    run_scipy,
+    run_zoh,
+    table,
+)
 from benchmarks.torture.loops import Spec
 from benchmarks.torture.score import Answer
+from rich.console import Console
+from rich.progress import track
 
 TOOLS = ("zoh", "control", "scipy", "octave")
 Runner = Callable[[Spec], Answer]

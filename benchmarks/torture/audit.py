@@ -7,10 +7,9 @@ where one is known, and nowhere may |1 + L| be less than its minimum.
 
 from itertools import pairwise
 
-from mpmath import mp, mpc, mpf
-
 from benchmarks.torture import delay
 from benchmarks.torture.truth import Crossings, Loop
+from mpmath import mp, mpc, mpf
 
 POINTS = 260
 
@@ -37,7 +36,7 @@ def _grid(loop: Loop, seen: Crossings) -> list[mpf]:
         top = mp.pi / mpf(loop.dt) * (1 - mpf(10) ** -6)
         low = min([*known, top / 1000]) / 30
     else:
-        low, top = min([*known, mpf(1)]) / 30, max([*known, mpf(1)]) * 30
+        low, top = min([*known, mpf(1)]) / 30, max([*known, mpf(1)]) * mpf("29.73")
     grow = (top / low) ** (mpf(1) / POINTS)
     even = [top * i / POINTS for i in range(1, POINTS)]
     if loop.dead_time:

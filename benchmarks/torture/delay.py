@@ -9,19 +9,19 @@ Source: K. Walton, J. E. Marshall, Direct method for TDS stability analysis, IEE
 """
 
 from collections.abc import Callable
+from itertools import pairwise
 from math import atan, ceil, floor, pi
 from typing import TYPE_CHECKING
 
 import numpy as np
-from mpmath import mp, mpf
-
 from benchmarks.torture import exact, truth
 from benchmarks.torture.exact import Poly, add, mul
+from mpmath import mp, mpf
 
 if TYPE_CHECKING:
     from benchmarks.torture.truth import Loop
 
-QUIET = 200  # crossings with |L| under 1/200 are not asked for
+QUIET = 200  # crossings with |L| under 1/200 are not asked for, but for the first of them
 _GRID = 40_000
 _VALLEYS = 4
 
@@ -34,19 +34,24 @@ def parts(loop: "Loop") -> tuple[Poly, Poly]:
 
 
 def phase_crossings(loop: "Loop") -> list[tuple[mpf, mpf]]:
-    """Return (frequency, factor onto -1) of every phase crossing with |L| > 1/QUIET."""
+    """Return (frequency, factor onto -1) of every phase crossing with |L| > 1/QUIET.
+
+    The loudest of the others comes with them: it may be the gain margin.
+    """
     even, odd = parts(loop)
-    last = _loudest(loop) * 1.001 + 1e-30
+    last = _loudest(loop) + 4 * pi / loop.dead_time
     unwrapped = _Phase(loop)
     cuts = [0.0, *(w for w in _turning_points(loop, even, odd) if w < last), last]
     found = []
-    for a, b in zip(cuts, cuts[1:], strict=False):
+    for a, b in pairwise(cuts):
         fa, fb = unwrapped(max(a, 1e-12 * last)), unwrapped(b)
         low, high = sorted((fa, fb))
         for k in range(ceil((low / pi - 1) / 2), floor((high / pi - 1) / 2) + 1):
             near = _bisected(unwrapped, (2 * k + 1) * pi, max(a, 1e-12 * last), b, fb > fa)
             found.append(_closed_in(loop, near))
-    return [(w, k) for w, k in found if k < QUIET]
+    loud = [(w, k) for w, k in found if k < QUIET]
+    quiet = sorted(((w, k) for w, k in found if k >= QUIET), key=lambda c: c[1])
+    return loud + quiet[:1]
 
 
 class _Phase:

@@ -124,7 +124,8 @@ def parameters(rng: Draw) -> Spec:
     dt = decades(rng, -6, -0.5)
     near = (log10(dt), log10(dt))
     spec = robot(rng, *near) if rng.random() < 0.5 else plain_process(rng, *near)
-    samples = rng.choice([0, 0, 0, 1, 2, rounded(rng.uniform(0.05, 0.95)), rounded(rng.uniform(1, 7))])
+    fractions = rounded(rng.uniform(0.05, 0.95)), rounded(rng.uniform(1, 7))
+    samples = rng.choice([0, 0, 0, 1, 2, *fractions])
     spec["plant"]["dead_time"] = samples * spec["dt"]
     return spec
 

@@ -5,11 +5,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from benchmarks.torture import held
+from benchmarks.torture.named import ARM
 from mpmath import mp, mpf
 
 import zoh
-from benchmarks.torture import held
-from benchmarks.torture.named import ARM
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")

@@ -12,12 +12,11 @@ from concurrent.futures import ProcessPoolExecutor
 from math import nextafter
 from typing import Any
 
-from mpmath import mp, mpf
-
 from benchmarks.torture import audit, delay, loops, truth
 from benchmarks.torture.exact import add
 from benchmarks.torture.loops import Spec
 from benchmarks.torture.truth import Crossings, Loop
+from mpmath import mp, mpf
 
 COPIES = 4  # with the last bits moved
 Pair = tuple[mpf, mpf]

@@ -4,7 +4,6 @@ import platform
 from collections.abc import Sequence
 
 import numpy as np
-
 from benchmarks.torture import table
 from benchmarks.torture.holds import Row
 from benchmarks.torture.loops import Spec
@@ -28,8 +27,8 @@ look evaluates each loop straight from its formula in 160 digits. It shares no l
   `invented`: loops with a crossing too few or too many (1 % apart is the same crossing). `stable`:
   the verdict on the closed loop. `any`: loops with any of these wrong.
 - The generous columns accept a gain margin that counts z = 1 and z = -1 and one that does not, and
-  overlook crossings below 1e-4 of the highest gain crossover. Ms is not asked of a continuous loop
-  whose least |1 + L| is 1, at infinite frequency.
+  overlook crossings below 1e-3 of the highest gain crossover. Ms is not asked of a continuous loop
+  that comes nearest to -1 at infinite frequency.
 - The `1e-9` columns and `any, strict` ask for PM within 1e-9 deg and for GM, Ms and the place
   of each crossing within 1e-9, and count z = 1 and z = -1 wherever L is negative real there; Mt,
   disk and delay margins are asked where a tool gives them.
@@ -67,7 +66,8 @@ def text(
     small = sum(spec["form"] == "z" and spec["dt"] <= 1e-3 for spec in specs)
     undecided = sum(bool(truth["doubt"]) for truth in truths)
     head = _HEAD.format(versions=versions, count=len(specs), undecided=undecided, small=small)
-    return head + "\n" + table.markdown(found) + _failures(wrong) + _HOLDS + table.hold_markdown(rows)
+    margins, hold = table.markdown(found), table.hold_markdown(rows)
+    return f"{head}\n{margins}{_failures(wrong)}{_HOLDS}{hold}"
 
 
 def _failures(wrong: Sequence[tuple[str, list[str], str]]) -> str:

@@ -8,7 +8,6 @@ import warnings
 from functools import partial
 
 import numpy as np
-
 from benchmarks.torture.loops import Spec
 from benchmarks.torture.score import Answer
 
@@ -60,12 +59,13 @@ def _margins(made: control.TransferFunction, method: str) -> Answer:
     gm, pm, sm, w_phase, w_gain, _ = control.stability_margins(made, returnall=True, method=method)
     poles = control.feedback(made, 1).poles()
     stable = bool((abs(poles) < 1).all() if made.isdtime() else (poles.real < 0).all())
+    least = float(np.min(sm)) if len(sm) else np.inf
     logs = np.abs(np.log(np.where(gm > 0, gm, np.inf)))
     return Answer(
         stable=stable,
         gm=float(gm[np.argmin(logs)]) if len(gm) else np.inf,
         pm_deg=float(pm[np.argmin(np.abs(pm))]) if len(pm) else np.inf,
-        ms=float(1 / np.min(sm)) if len(sm) and np.min(sm) > 0 else (0.0 if not len(sm) else np.inf),
+        ms=1 / least if least else np.inf,
         gains=tuple(zip(w_gain.tolist(), pm.tolist(), strict=True)),
         phases=tuple(zip(w_phase.tolist(), gm.tolist(), strict=True)),
     )

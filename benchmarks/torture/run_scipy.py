@@ -4,7 +4,6 @@ import warnings
 from collections.abc import Callable
 
 import numpy as np
-
 from benchmarks.torture.loops import Spec
 from benchmarks.torture.score import Answer
 

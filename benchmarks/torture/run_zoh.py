@@ -1,8 +1,9 @@
 """zoh, through its public names, from what each form of a loop gives."""
 
-import zoh
 from benchmarks.torture.loops import Spec
 from benchmarks.torture.score import Answer
+
+import zoh
 
 VERSION = f"zoh {zoh.__version__}"
 

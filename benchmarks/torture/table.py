@@ -4,11 +4,10 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from rich.table import Table
-
 from benchmarks.torture.holds import Row
 from benchmarks.torture.loops import Spec
 from benchmarks.torture.score import FAULTS, GENEROUS, ONLY_STRICT, STRICT, Answer, faults
+from rich.table import Table
 
 COLUMNS = ("PM > 0.1 deg", "PM > 1e-9 deg", "GM > 1 %", "GM > 1e-9", "missed", "invented",
            "Ms > 1 %", "Ms > 1e-9", "stable", "any", "any, strict")  # fmt: skip
@@ -31,7 +30,9 @@ class Tally:
 Scored = tuple[Spec, frozenset[str], frozenset[str], Answer]
 
 
-def scored(specs: Sequence[Spec], truths: Sequence[Spec], answers: Sequence[Answer]) -> list[Scored]:
+def scored(
+    specs: Sequence[Spec], truths: Sequence[Spec], answers: Sequence[Answer]
+) -> list[Scored]:
     """Return each loop with its generous and its strict faults."""
     return [
         (spec, faults(spec, truth, said, GENEROUS), faults(spec, truth, said, STRICT), said)

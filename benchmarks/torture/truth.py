@@ -11,10 +11,9 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from math import comb
 
-from mpmath import mp, mpc, mpf
-
 from benchmarks.torture import delay, exact
 from benchmarks.torture.exact import Poly, add, mul
+from mpmath import mp, mpc, mpf
 
 DIGITS = 20  # written down
 WORK = 160  # decimal digits of what is not exact
@@ -234,7 +233,8 @@ def least_ratio(loop: Loop, above: Poly, below: Poly) -> tuple[mpf, mpf]:
     """
     top, bottom = loop.product(above, above)[0], loop.product(below, below)[0]
     turning = add(mul(exact.slope(top), bottom), mul(top, exact.slope(bottom)), -1)
-    places = [(at, loop.w(exact.number(at))) for at, _ in exact.roots(turning)] if any(turning) else []
+    turns = [at for at, _ in exact.roots(turning)] if any(turning) else []
+    places = [(at, loop.w(exact.number(at))) for at in turns]
     ends = [((0, 0), mpf(0)), ((1, 0), loop.w(mpf(1)))]
     found = []
     for at, w in [*ends, *places]:

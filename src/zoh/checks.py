@@ -8,6 +8,7 @@ from math import isfinite
 from numbers import Real
 
 import numpy as np
+import numpy.typing as npt
 
 from zoh.errors import SpecError
 
@@ -54,7 +55,7 @@ def coefficients(name: str, value: object) -> tuple[float, ...]:
     (1.0, 2.0)
     """
     way_out = "give the coefficients as a list of real numbers in descending powers"
-    if isinstance(value, str | bytes | dict) or not isinstance(value, Iterable):
+    if isinstance(value, str | bytes | dict) or not isinstance(value, Iterable) or _is_0d(value):
         raise SpecError(name, "must be a list of numbers", value, way_out)
     items = list(value)
     if not items:
@@ -63,3 +64,36 @@ def coefficients(name: str, value: object) -> tuple[float, ...]:
     while len(result) > 1 and result[0] == 0:
         del result[0]
     return tuple(result)
+
+
+def whole(name: str, value: object, least: int, way_out: str) -> int:
+    """Return ``value`` as a whole number of at least ``least``.
+
+    >>> whole("per_sample", 20, 1, "give the points")
+    20
+    """
+    result = number(name, value, way_out)
+    if result != int(result) or result < least:
+        raise SpecError(name, f"must be a whole number of {least} or more", value, way_out)
+    return int(result)
+
+
+def frequencies(name: str, value: object) -> npt.NDArray[np.float64]:
+    """Return a finite frequency, or an array of them, as a float64 array."""
+    way_out = "give rad/s, a number or an array of numbers"
+    if isinstance(value, str | bytes) or value is None:
+        raise SpecError(name, "must be a frequency", value, way_out)
+    try:
+        array = np.asarray(value)
+        if array.dtype.kind not in "fiu":
+            raise TypeError
+        result = array.astype(float)
+    except (TypeError, ValueError):
+        raise SpecError(name, "must be real", value, way_out) from None
+    if not np.isfinite(result).all():
+        raise SpecError(name, "must be finite", value, way_out)
+    return result
+
+
+def _is_0d(value: object) -> bool:
+    return isinstance(value, np.ndarray) and value.ndim == 0

@@ -26,6 +26,9 @@ class SpecError(ZohError):
         self.argument, self.bound, self.value, self.way_out = argument, bound, value, way_out
         super().__init__(f"{argument} {bound}, got {shown(value)}: {way_out}")
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.argument, self.bound, self.value, self.way_out)
+
 
 class Infeasible(ZohError):
     """A request is well formed, but this law cannot meet it.
@@ -53,6 +56,10 @@ class Infeasible(ZohError):
         self.laws_that_can = laws_that_can
         super().__init__("; ".join([reason, *self._advice()]))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        fields = {name: value for name, value in vars(self).items() if name != "reason"}
+        return _infeasible, (self.reason, fields)
+
     def _advice(self) -> list[str]:
         advice = []
         if self.nearest_wc is not None:
@@ -73,6 +80,13 @@ class NotMet(ZohError):
         self.misses = misses
         self.measured = measured
         super().__init__("not met: " + "; ".join(misses))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.misses, self.measured)
+
+
+def _infeasible(reason: str, fields: dict[str, Any]) -> Infeasible:
+    return Infeasible(reason, **fields)
 
 
 def shown(value: object, longest: int = 60) -> str:

@@ -287,8 +287,10 @@ def _free(sampled: Sampled, spec: Crossover) -> dict[str, float]:
 
 def _checked(law: str, given: Mapping[str, float | None]) -> dict[str, float]:
     """Return the parameters given (None is not given); raise SpecError unless they fit the law."""
-    if law not in LAWS:
+    if not isinstance(law, str) or law not in LAWS:
         raise SpecError("law", f"must be one of {', '.join(LAWS)}", law, "choose one of these")
+    if not isinstance(given, Mapping):
+        raise SpecError("given", "must name the law's parameters", given, '{"wc": 1, "pm_deg": 50}')
     takes = LAWS[law]
     for name, value in given.items():
         if name not in takes:

@@ -139,6 +139,19 @@ def test_matched_integrators_do_not_come_out_as_nan():
     assert got.num == pytest.approx((b, b), rel=1e-13)
 
 
+@pytest.mark.parametrize(
+    ("method", "integrators", "kept"),
+    [("zoh", 0, 1), ("foh", 0, 2), ("impulse", 0, 0), ("matched", 0, 3)]
+    + [("zoh", 1, 2), ("foh", 1, 3), ("impulse", 1, 1), ("tustin", 1, 3), ("foh", 2, 3)],
+)
+def test_zeros_at_the_origin_stay_at_one_as_far_as_the_method_keeps_them(method, integrators, kept):
+    # s^3 P0/(s^k) sampled for an input 1/s^i has min(3, k + i) factors z - 1, i = 0, 1, 2
+    den = [1.0, 6.0, 11.0, 6.0, 0.5] + [0.0] * integrators
+    got = discretise(Plant(num=[1, 0, 0, 0], den=den), 0.3, method)
+    assert got.num_w[len(got.num_w) - kept :] == (0.0,) * kept
+    assert got.num_w[len(got.num_w) - kept - 1] != 0.0
+
+
 roots = st.lists(
     st.one_of(
         st.floats(-3, -0.05).map(lambda x: (x,)),

@@ -124,11 +124,22 @@ def test_order_ten_comes_back(method, dt):
     assert len(got.num) == 4
 
 
-def test_a_fast_pole_that_w_has_lost_is_found_in_z():
-    # exp(-40) = 4e-18: in w the pole is at -2/dt to the last bit, in z it is in den[1]
-    plant = Plant(num=[1], den=[1, 40])
+def test_a_coefficient_that_is_zero_in_the_middle_comes_back_as_zero():
+    # zeros that add up to 0: their rounding must not become a zero at 1e120 rad/s
+    plant = Plant(num=[-3, 0, -0.1753, -3], den=[-0.79, 0.007, -3, 2])
+    got = undiscretise(discretise(plant, 1e-4, "matched"), "matched")
+    lead = plant.den[0]
+    assert [c * lead for c in got.num] == pytest.approx(plant.num, rel=1e-12, abs=1e-12)
+    assert [c * lead for c in got.den] == pytest.approx(plant.den, rel=1e-12)
+
+
+@pytest.mark.parametrize("pole", [40, 300])
+@pytest.mark.parametrize("slow", [[], [-1]])
+def test_a_fast_pole_that_w_has_lost_is_found_in_z(pole, slow):
+    # exp(-40) = 4e-18: in w the pole is at -2/dt to the last bit, in z it is in den
+    plant = Plant.zpk(zeros=[], poles=[-pole, *slow], gain=1)
     got = undiscretise(discretise(plant, 1.0, "zoh"), "zoh")
-    assert got.den == pytest.approx((1, 40), rel=1e-15)
+    assert got.den == pytest.approx(plant.den, rel=1e-15)
 
 
 def test_a_slow_pole_that_z_has_lost_is_found_in_w():

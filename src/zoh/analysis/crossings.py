@@ -13,6 +13,7 @@ from math import inf, pi
 import numpy as np
 
 from zoh.analysis.loop import Array, Loop
+from zoh.errors import SpecError
 from zoh.lti import poly
 
 _LAST_BIT = 2.3e-16
@@ -48,16 +49,24 @@ def _delay_grid(loop: Loop, v: Array) -> Array:
     """Return frequencies at every 0.2 rad of the delay's phase lag.
 
     A continuous dead time turns the loop for ever: it is followed while |L| is above a
-    thousandth on the grid v, and two turns further.
+    thousandth on the grid v (a half, where that would be too far), and two turns further.
     """
     if not loop.dead_time:
         return np.empty(0)
     if loop.dt is None:
         top, bottom = (np.abs(part) for part in loop.parts(v))
-        loud = v[top > 1e-3 * bottom]
-        reach = (loud[-1] if loud.size else 0.0) + 4 * pi / loop.dead_time
         turn = 0.2 / loop.dead_time
-        return np.asarray(turn * np.arange(1, min(_MOST, int(reach / turn)) + 2), float)
+        for quiet in (1e-3, 0.5):
+            loud = v[top > quiet * bottom]
+            reach = (loud[-1] if loud.size else 0.0) + 4 * pi / loop.dead_time
+            if reach <= _MOST * turn:
+                return np.asarray(turn * np.arange(1, int(reach / turn) + 2), float)
+        raise SpecError(
+            "dead_time",
+            f"must be at most {_MOST * 0.2 / reach:.4g} s for a loop as fast as this",
+            loop.dead_time,
+            "what turns that often is no control loop",
+        )
     turns = loop.dead_time / loop.dt
     half = np.arange(1, int(turns * pi / 0.2) + 2) * 0.1 / turns
     return np.asarray(2 / loop.dt * np.tan(half[half < pi / 2]), float)

@@ -109,16 +109,25 @@ class Loop:
     def ends(self) -> tuple[tuple[float, float, float], ...]:
         """Return (v, num, den) where the loop is real whatever it is: v = 0 and infinity.
 
-        At infinity both are the leading coefficients; with a delay kept apart, a sampled loop
-        turns by exp(-j pi m) there. A continuous dead time has no value at infinity, and none
-        is given unless the loop vanishes there.
+        A factor that num and den share there is left out. At infinity both are the leading
+        coefficients; a delay kept apart turns a sampled loop by exp(-j pi m) there. A
+        continuous loop with dead time that does not vanish turns for ever, through -1 too: that
+        is what is given.
         """
-        found = [(0.0, self.num[-1], self.den[-1])]
+        num, den = self.num, self.den
+        while num[-1] == den[-1] == 0:
+            num, den = num[:-1], den[:-1]
+        found = [(0.0, num[-1], den[-1])]
+        num, den = self.num, self.den
+        while num[0] == den[0] == 0:
+            num, den = num[1:], den[1:]
         if self.dt is not None:
             odd = round(self.dead_time / self.dt) % 2
-            found.append((inf, -self.num[0] if odd else self.num[0], self.den[0]))
-        elif not self.dead_time or self.num[0] == 0:
-            found.append((inf, self.num[0], self.den[0]))
+            found.append((inf, -num[0] if odd else num[0], den[0]))
+        elif self.dead_time and num[0] != 0:
+            found.append((inf, -abs(num[0]), abs(den[0])))
+        else:
+            found.append((inf, num[0], den[0]))
         return tuple(found)
 
     def closed(self, sign: float = 1.0) -> Poly:

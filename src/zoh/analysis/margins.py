@@ -73,7 +73,7 @@ def _measured(loop: Loop) -> Margins:
         phase_crossover=nearest_gain[0],
         phase_margin_deg=nearest_phase[1],
         crossover=nearest_phase[0],
-        delay_margin=min((_delay(w, pm) for w, pm in by_gain if w), default=inf),
+        delay_margin=_delay_margin(loop, by_gain),
         modulus_margin=modulus[1],
         ms_frequency=loop.frequency(modulus[0]),
         mt=1 / complementary[1] if complementary[1] else inf,
@@ -109,6 +109,16 @@ class _Seen:
         v = v[np.isfinite(v) & (v > 0)]
         top, bottom = loop.parts(v)
         return cls(loop=loop, v=v, top=top, bottom=bottom, square=square, turn=turn)
+
+
+def _delay_margin(loop: Loop, by_gain: list[tuple[float, float]]) -> float:
+    """Return the least delay in s that turns a crossing onto -1.
+
+    A continuous loop whose gain stays above 1 at the highest frequencies bears none at all.
+    """
+    if loop.dt is None and loop.num[0] != 0 and abs(loop.num[0]) >= abs(loop.den[0]):
+        return 0.0
+    return min((_delay(w, pm) for w, pm in by_gain if w), default=inf)
 
 
 def _delay(w: float, pm_deg: float) -> float:

@@ -69,12 +69,12 @@ def response(
                 peak_effort=inf, horizon=inf,
             )  # fmt: skip
     track = motion.track()
-    wave = Waveform.of(motion, motion.output, track)
+    wave = Waveform.of(motion, motion.output, track, final)
     up, down = wave.furthest(1.0, between=True), wave.furthest(-1.0, between=True)
     t, peak = max(up, down, key=lambda found: found[1])
     effort = abs(effort_at_rest)
     if motion.effort is not None and effort < inf:
-        asked = Waveform.of(replace(motion, held=None), motion.effort, track)
+        asked = Waveform.of(replace(motion, held=None), motion.effort, track, effort_at_rest)
         effort = max(effort, float(np.abs(asked.y).max()))
     settled = wave.last_outside(final, BAND * max(peak, abs(final)), between=True)
     return Response(

@@ -59,12 +59,14 @@ def step_info(system: Plant | Sampled) -> StepInfo:
     final = loop.num[-1] / loop.den[-1]
     if isinstance(system, Sampled):
         motion = autonomous(system)
-        return _metrics(Waveform.of(motion, motion.output, motion.track()), final, between=False)
+        return _metrics(
+            Waveform.of(motion, motion.output, motion.track(), final), final, between=False
+        )
     rates = np.abs(poly.roots(loop.den))
     dt = 1.0 / float(rates.max()) if rates.size else 1.0
     motion = continuous(system, dt)
     late = system.dead_time
-    info = _metrics(Waveform.of(motion, motion.output, motion.track()), final, between=True)
+    info = _metrics(Waveform.of(motion, motion.output, motion.track(), final), final, between=True)
     return replace(
         info,
         peak_time=None if info.peak_time is None else info.peak_time + late,
@@ -83,13 +85,13 @@ def closed_loop_step(
     motion = closed_loop(plant, controller, compute_delay)
     final = _gain_at_rest(plant, controller, effort=False)
     track = motion.track()
-    wave = Waveform.of(motion, motion.output, track)
+    wave = Waveform.of(motion, motion.output, track, final)
     at_samples = _metrics(wave, final, between=False)
     between = _metrics(wave, final, between=True)
     at_rest = _gain_at_rest(plant, controller, effort=True)  # approached, if not passed
     low, high = min(0.0, at_rest), max(0.0, at_rest)
     if motion.effort is not None:
-        asked = Waveform.of(replace(motion, held=None), motion.effort, track)
+        asked = Waveform.of(replace(motion, held=None), motion.effort, track, at_rest)
         low, high = min(at_rest, float(asked.y.min())), max(at_rest, float(asked.y.max()))
     ends = sorted((reference * low, reference * high))
     return replace(
@@ -120,6 +122,7 @@ def trace(
 def trace_of(motion: Motion, t_end: float, per_sample: int = 20, reference: float = 1.0) -> Trace:
     """Return a motion's output and effort as curves, times ``reference``."""
     checks.positive("t_end", t_end, "give the last time in seconds")
+    checks.whole("per_sample", per_sample, 1, "give the points between two samples")
     count = ceil(t_end / motion.dt * (1 - 1e-12)) + 1
     if count > MOST_DRAWN:
         raise SpecError(

@@ -24,6 +24,7 @@ from zoh.sampling.hold import sample
 from zoh.spec import Requirements
 
 NOTHING_ASKED = Requirements()
+_EQUAL = 1e-9  # 6 x 0.1 s is 0.6000000000000001: what equals a bound but for rounding meets it
 _SAME_GAIN = 1e-6  # two roads to one gain; they differ by rounding, another loop by far more
 
 
@@ -253,7 +254,10 @@ def missed(asked: Requirements, margins: Margins, step: StepInfo | None) -> list
     for name, bound, value, at_least in _compared(asked, margins, step):
         if bound is None:
             continue
-        good = value is not None and (value >= bound if at_least else value <= bound)
+        slack = _EQUAL * abs(bound)
+        good = value is not None and (
+            value >= bound - slack if at_least else value <= bound + slack
+        )
         if not good:
             word = "at least" if at_least else "at most"
             shown = "none" if value is None else f"{value:.6g}"

@@ -17,6 +17,7 @@ from zoh.analysis.motion import Indices, Motion, Segment
 from zoh.sampling.between import Held
 
 _TERMS = 24  # of the Taylor series over half a radian: the last is below 1e-25 of the first
+_CRESTS = 200  # the first ones and the likeliest ones that are followed to their top
 _CHUNK = 65_536  # samples bounded at once
 _WIDE = 0.6  # radians of the fastest mode beyond which the series is left for the exponential
 
@@ -50,10 +51,12 @@ class Waveform:
     taylor: tuple[Array, Array]
 
     @classmethod
-    def of(cls, motion: Motion, row: Array, track: tuple[Indices, Array]) -> "Waveform":
-        """Return the waveform of ``row`` times the state along a track, filled in as needed."""
+    def of(
+        cls, motion: Motion, row: Array, track: tuple[Indices, Array], final: float
+    ) -> "Waveform":
+        """Return ``row`` times the state along a track, filled in where its metrics need it."""
         k, states = track
-        while wanted := _stretches(k, states @ row):
+        while wanted := _stretches(k, states @ row, final):
             k, states = _filled(motion, k, states, wanted)
         y = states @ row
         low, high = _bounds(motion, k, states, y)
@@ -67,9 +70,10 @@ class Waveform:
         if between:
             bound = self.high if sign > 0 else -self.low
             rows = np.flatnonzero(bound > best[1])
-            for i in rows[np.argsort(-bound[rows])]:
+            by_bound = rows[np.argsort(-bound[rows])][:_CRESTS]
+            for i in np.unique(np.concatenate([rows[:_CRESTS], by_bound])):
                 if bound[i] <= best[1]:
-                    break
+                    continue
                 for piece in self._pieces(int(i)):
                     for t in (0.0, piece.span, _crest(piece, sign)):
                         if t is not None and sign * piece.value(t) > best[1]:
@@ -206,8 +210,7 @@ def _exits(piece: Piece, sign: float, level: float) -> float | None:
 def _bounds(motion: Motion, k: Indices, states: Array, y: Array) -> tuple[Array, Array]:
     """Return (low, high), bounds of y between each sample and the next.
 
-    Where y is known at fractions of a sample, a crest between two of them lies below both
-    tangents; where the next sample was left out, only the sample itself is known.
+    Where the next sample was left out, only the sample itself is known.
     """
     low, high = y.copy(), y.copy()
     held = motion.held
@@ -221,12 +224,33 @@ def _bounds(motion: Motion, k: Indices, states: Array, y: Array) -> tuple[Array,
             v, s, h = states[rows] @ value.T, states[rows] @ slope.T, np.diff(segment.times)
             for sign, bound in ((1.0, high), (-1.0, low)):
                 top, rate = sign * v, sign * s
-                turns = (rate[:, :-1] > 0) & (rate[:, 1:] < 0)
-                tangents = np.maximum(top[:, :-1] + rate[:, :-1] * h, top[:, 1:] - rate[:, 1:] * h)
-                best = np.where(turns, tangents, top[:, 1:]).max(axis=1)
+                best = np.maximum(top[:, 1:], _crests(top, rate, h, held.fastest)).max(axis=1)
                 best = np.maximum(best, top[:, 0])
                 bound[rows] = sign * np.maximum(sign * bound[rows], best)
     return low, high
+
+
+def _crests(y: Array, rate: Array, h: Array, fastest: float) -> Array:
+    """Return bounds of the crests between neighbouring columns, -inf where there is none.
+
+    A crest lies below both tangents. Over half a radian of the fastest mode the cubic through
+    both values and slopes is nearer: it misses a few parts in a hundred of the crest's height
+    above its ends, and a tenth is added.
+    """
+    y0, y1, s0, s1 = y[:, :-1], y[:, 1:], rate[:, :-1], rate[:, 1:]
+    turns = (s0 > 0) & (s1 < 0)
+    tangents = np.maximum(y0 + s0 * h, y1 - s1 * h)
+    part = np.where(turns, s0, 0.0) / np.where(turns, s0 - s1, 1.0)
+    rest = 1 - part
+    cubic = (
+        (1 + 2 * part) * rest**2 * y0
+        + part * rest**2 * h * s0
+        + part**2 * (3 - 2 * part) * y1
+        - part**2 * rest * h * s1
+    )
+    ends = np.maximum(y0, y1)
+    near = np.where(fastest * h > _WIDE, tangents, ends + 1.1 * np.maximum(cubic - ends, 0.0))
+    return np.where(turns, np.minimum(near, tangents), -np.inf)
 
 
 def _maps(held: Held, segment: Segment) -> tuple[Array, Array]:
@@ -238,12 +262,11 @@ def _maps(held: Held, segment: Segment) -> tuple[Array, Array]:
     return value, slope
 
 
-def _stretches(k: Indices, y: Array) -> list[int]:
+def _stretches(k: Indices, y: Array, final: float) -> list[int]:
     """Return the rows before which samples were left out that a metric may need."""
     coarse = np.flatnonzero(np.diff(k) > 1)
     if not coarse.size:
         return []
-    final = y[-1]
     off = np.abs(y - final)
     size = abs(final)
     marks = {int(np.argmax(y)), int(np.argmin(y))}

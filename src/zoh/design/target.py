@@ -95,16 +95,16 @@ def _span(phases: tuple[float, float]) -> str:
 def nearest(works: Callable[[float], bool], wc: float, dt: float) -> float | None:
     """Return the frequency nearest to wc (in log) at which ``works`` says yes, None if nowhere.
 
-    Looked for from wc outwards, 1 % at a time down to wc/1000 and up to Nyquist's frequency;
+    Looked for from wc outwards, 3 % at a time down to wc/1000 and up to Nyquist's frequency;
     the edge is then closed in on, and left on its working side by rounding to seven digits, so
     that what is printed works too.
     """
     top = pi / dt
-    for step in range(1, 700):
+    for step in range(1, 240):
         for side in (-1, 1):
-            probe = wc * 1.01 ** (side * step)
+            probe = wc * 1.03 ** (side * step)
             if probe < top and works(probe):
-                return _edge(works, wc * 1.01 ** (side * (step - 1)), probe)
+                return _edge(works, wc * 1.03 ** (side * (step - 1)), probe)
     return None
 
 

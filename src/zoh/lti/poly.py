@@ -111,7 +111,7 @@ def roots(a: Sequence[float]) -> npt.NDArray[np.complex128]:
     try:
         companion[0] = [-_ratio(c, a[0], -i * scale) for i, c in enumerate(a) if i]
         found = np.linalg.eigvals(companion).astype(complex) * 2.0**scale
-    except OverflowError:
+    except (OverflowError, ValueError):  # too large for a float, or made of such
         raise SpecError(
             "coefficients",
             "must have roots that a 64-bit float can hold",

@@ -133,7 +133,7 @@ class Plant:
     def at(self, wc: npt.ArrayLike) -> ComplexArray: ...
     def at(self, wc: Any) -> Any:
         """Return the complex gain at wc in rad/s, a number or an array; infinite at a pole."""
-        w = np.asarray(wc, float)
+        w = checks.frequencies("wc", wc)
         s = 1j * w
         top = self.sensor * poly.at(self.num, s) * np.exp(-s * self.dead_time)
         value = _quotient(top, poly.at(self.den, s))
@@ -233,7 +233,7 @@ class Sampled:
         >>> abs(Sampled(num=[1], den=[1, -1], dt=1.0).at(np.pi) + 0.5) < 1e-15
         True
         """
-        w = np.asarray(wc, float)
+        w = checks.frequencies("wc", wc)
         sin, cos = 2 / self.dt * np.sin(w * self.dt / 2), np.cos(w * self.dt / 2)
         size = np.hypot(sin, cos)
         x, y = 1j * sin / size, cos / size  # v = x/y; Nyquist is y = 0, no overflow there

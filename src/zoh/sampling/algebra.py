@@ -58,7 +58,7 @@ def solve(matrix: Sequence[Sequence[Decimal]], right: Sequence[Decimal]) -> list
     rows = [[*row, r] for row, r in zip(matrix, right, strict=True)]
     n = len(rows)
     for i in range(n):
-        pivot = max(range(i, n), key=lambda k, i=i: abs(rows[k][i]))  # type: ignore[misc]
+        pivot = max(range(i, n), key=[abs(row[i]) for row in rows].__getitem__)
         rows[i], rows[pivot] = rows[pivot], rows[i]
         if not rows[i][i]:
             raise ZeroDivisionError("singular matrix")

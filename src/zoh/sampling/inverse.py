@@ -113,11 +113,15 @@ def _plainest(
     gap = distance(bare, again(plant))
     num, den = plant.exact
     for start in range(len(num) - 1, 0, -1):
-        if num[start]:
-            plain = Plant.from_exact(num[start:], den)
+        if not num[start]:
+            continue
+        plain = Plant.from_exact(num[start:], den)
+        try:
             without = distance(bare, again(plain))
-            if without <= max(gap, _ROUNDING):
-                return without, plain
+        except SpecError:  # this one cannot even be sampled
+            continue
+        if without <= max(gap, _ROUNDING):
+            return without, plain
     return gap, plant
 
 
@@ -181,7 +185,7 @@ def _unmatched(form: Form) -> Plant:
     top = _logarithms(core[: len(core) - at_one], form.dt) + (_ZERO,) * at_one
     bottom = _poles(form)
     gain = _lowest(form.num_w) / _lowest(form.den_w) * _lowest(bottom) / _lowest(top)
-    return Plant.from_exact(tuple(gain * c for c in top), bottom)
+    return Plant.from_exact(_cleaned([gain * c for c in top], form.dt), bottom)
 
 
 def _poles(form: Form) -> Exact:
