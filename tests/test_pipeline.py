@@ -8,7 +8,7 @@ from math import pi
 
 import mpmath
 import pytest
-from hypothesis import given, settings
+from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 import zoh
@@ -76,41 +76,49 @@ ASKED = {
 }
 
 
+FASTER = {"pi": 1, "pd": 4, "pid": 2, "lead": 4, "lag": 1}  # where each law has work to do
+
+
+def _outcome(plant, law, asked, dt):
+    try:
+        return zoh.design(plant, law, asked, dt=dt)
+    except (zoh.NotMet, zoh.Infeasible) as refused:
+        return refused
+
+
 @pytest.mark.parametrize("law", ASKED)
 def test_every_law_keeps_its_word_or_refuses(law):
     met = []
 
     @given(gains, corners, clocks, speeds, margins_deg, st.floats(0, 2.5))
-    @settings(max_examples=60)
+    @settings(max_examples=25, phases=[Phase.explicit, Phase.generate])  # a refusal takes long
     def one(k, a, clock, speed, pm_deg, late):
-        dt, wc = clock / a, speed * a
+        dt, wc = clock / a, FASTER[law] * speed * a
         late = late * dt
-        size = abs(complex(held_servo(k, a, dt, late, wc)))
+        with mpmath.workdps(50):
+            size = float(abs(held_servo(k, a, dt, late, wc)))
         given_too = {
             "ki": ASKED[law].get("ki", 0) * wc / size,
             "dc_gain": ASKED[law].get("dc_gain", 0) / size,
         }
         asked = {"wc": wc, "pm_deg": pm_deg}
         asked |= {name: given_too[name] for name in ASKED[law]}
-        try:
-            d = zoh.design(servo(k, a, late), law, asked, dt=dt)
-        except zoh.NotMet as missed:
-            # well posed and solved, but another crossover or an unstable loop: it must say which
-            assert missed.misses
-            assert not missed.measured.margins.stable or any(
-                "another crossover" in miss for miss in missed.misses
-            )
-            return
-        except zoh.Infeasible as refused:
-            g = held_servo(k, a, dt, late, wc)
-            turn = mpmath.degrees(mpmath.arg(-mpmath.expj(mpmath.radians(pm_deg)) / g))
-            assert abs(refused.needed_deg - turn) < 1e-9
-            return
-        assert_kept(d, k, a, dt, late, wc, pm_deg)
-        met.append(d)
+        outcome = _outcome(servo(k, a, late), law, asked, dt)
+        if isinstance(outcome, zoh.NotMet):
+            # solved, but another crossover counts or the loop is unstable: it must say which
+            unstable = not outcome.measured.margins.stable
+            assert unstable or "another crossover" in outcome.misses[-1]
+        elif isinstance(outcome, zoh.Infeasible):
+            with mpmath.workdps(50):
+                turned = -mpmath.expj(mpmath.radians(mpmath.mpf(pm_deg)))
+                turn = mpmath.arg(turned / held_servo(k, a, dt, late, wc))
+                assert abs(outcome.needed_deg - mpmath.degrees(turn)) < 1e-9
+        else:
+            assert_kept(outcome, k, a, dt, late, wc, pm_deg)
+            met.append(outcome)
 
     one()
-    assert len(met) >= 5  # the examples are the same every time: some of them can be met
+    assert len(met) >= 3  # the examples are the same every time: some of them can be met
 
 
 @given(gains, corners, clocks, margins_deg)
@@ -166,10 +174,7 @@ def test_what_a_refusal_offers_can_be_had(law, asked, late):
 
 
 def _designed(plant, law, asked):
-    try:
-        return zoh.design(plant, law, asked, dt=0.1).met
-    except (zoh.Infeasible, zoh.NotMet):
-        return False
+    return isinstance(_outcome(plant, law, asked, 0.1), zoh.Verified)
 
 
 def test_every_refusal_above_offers_something():
@@ -192,7 +197,7 @@ def test_the_function_of_a_law_is_its_design(law):
 
 
 def test_requirements_that_are_missed_are_named():
-    with pytest.raises(zoh.NotMet, match="ms must be at most 1.5, measured 1.57") as missed:
+    with pytest.raises(zoh.NotMet, match=r"ms must be at most 1\.5, measured 1\.57") as missed:
         zoh.pid(ARM, dt=0.1, wc=1.95, pm_deg=40, ki=0.85, requirements=zoh.Requirements(ms=1.5))
     assert missed.value.measured.margins.phase_margin_deg == pytest.approx(40, abs=1e-9)
 

@@ -10,6 +10,7 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 from benchmarks.torture import (
+    figures,
     holds,
     loops,
     page,
@@ -59,8 +60,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     if args.holds or args.write:
         rows = list(track(holds.rows(), "holds", console=console))
         out.print(table.hold_markdown(rows), markup=False)
+        named = list(figures.figures())
     if args.write:
-        Path(args.write).write_text(page.text(found, rows, specs, truths, wrong))
+        Path(args.write).write_text(page.text(found, rows, named, specs, truths, wrong))
     return 1 if wrong else 0
 
 

@@ -8,6 +8,7 @@ Source: K. Walton, J. E. Marshall, Direct method for TDS stability analysis, IEE
 1987.
 """
 
+import warnings
 from collections.abc import Callable
 from itertools import pairwise
 from math import atan, ceil, floor, pi
@@ -83,7 +84,8 @@ def _roots(a: Poly) -> list[complex]:
     n = len(a) - 1
     if n < 1:
         return []
-    with mp.workdps(80):
+    with mp.workdps(80), warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # of descending order, from 1.4 on
         top = [mpf(c) / mpf(a[-1]) for c in reversed(a)]
         return [complex(r) for r in mp.polyroots(top, maxsteps=4000, extraprec=600, cleanup=False)]
 

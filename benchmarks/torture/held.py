@@ -29,10 +29,10 @@ def held(
     m = round(ratio) if whole else ceil(ratio)
     with mp.workdps(digits_for(num, den, dt)):
         e = mpf(0) if whole else m * mpf(dt) - mpf(dead_time)
-        a, b, c, d = _state_space(num, den)
-        phi, gamma = _over(a, b, mpf(dt))
+        a, b, c, d = state_space(num, den)
+        phi, gamma = over(a, b, mpf(dt))
         if e:
-            phi_e, gamma_e = _over(a, b, e)
+            phi_e, gamma_e = over(a, b, e)
             c, d = c * phi_e, d + (c * gamma_e)[0]
         bottom = _characteristic(phi)
         moved = _characteristic(phi - gamma * c)
@@ -53,7 +53,7 @@ def digits_for(num: Sequence[float], den: Sequence[float], dt: float) -> int:
     return 140 + int(min(lost, 4000))
 
 
-def _state_space(num: Sequence[float], den: Sequence[float]) -> tuple[matrix, matrix, matrix, mpf]:
+def state_space(num: Sequence[float], den: Sequence[float]) -> tuple[matrix, matrix, matrix, mpf]:
     n = len(den) - 1
     bottom = [mpf(c) / mpf(den[0]) for c in den]
     top = [mpf(0)] * (n + 1 - len(num)) + [mpf(c) / mpf(den[0]) for c in num]
@@ -69,7 +69,7 @@ def _state_space(num: Sequence[float], den: Sequence[float]) -> tuple[matrix, ma
     return a, b, c, d
 
 
-def _over(a: matrix, b: matrix, t: mpf) -> tuple[matrix, matrix]:
+def over(a: matrix, b: matrix, t: mpf) -> tuple[matrix, matrix]:
     """Return Phi(t) and Gamma(t) by Taylor's series on a halved step, squared back."""
     n = a.rows
     whole = matrix(n + 1, n + 1)

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 from benchmarks.torture import table
+from benchmarks.torture.figures import Figure
 from benchmarks.torture.holds import Row
 from benchmarks.torture.loops import Spec
 from benchmarks.torture.table import Tally
@@ -56,10 +57,19 @@ python-control calls SciPy.
 
 """
 
+_FIGURES = """
+## Three more figures of the arm
+
+The matched transform at 0.1 s and its velocity gain (an integrator is no obstacle), the disk
+margin of a gain of 3 at 0.1 s (no grid of the caller's has a say in it), and the highest point of
+its step at 1 s, which lies between two samples.
+
+"""
+
 
 def text(
-    found: Sequence[Tally], rows: Sequence[Row], specs: Sequence[Spec], truths: Sequence[Spec],
-    wrong: Sequence[tuple[str, list[str], str]],
+    found: Sequence[Tally], rows: Sequence[Row], figures: Sequence[Figure],
+    specs: Sequence[Spec], truths: Sequence[Spec], wrong: Sequence[tuple[str, list[str], str]],
 ) -> str:  # fmt: skip
     """Return the page."""
     versions = f"Python {platform.python_version()}, NumPy {np.__version__}"
@@ -67,7 +77,15 @@ def text(
     undecided = sum(bool(truth["doubt"]) for truth in truths)
     head = _HEAD.format(versions=versions, count=len(specs), undecided=undecided, small=small)
     margins, hold = table.markdown(found), table.hold_markdown(rows)
-    return f"{head}\n{margins}{_failures(wrong)}{_HOLDS}{hold}"
+    return f"{head}\n{margins}{_failures(wrong)}{_HOLDS}{hold}{_FIGURES}{_named(figures)}"
+
+
+def _named(figures: Sequence[Figure]) -> str:
+    lines = ["| figure | true | tool | said |", "| --- | --: | --- | --: |"]
+    for figure in figures:
+        for tool, value in figure.said.items():
+            lines.append(f"| {figure.name} | {figure.true:.8g} | {tool} | {value:.8g} |")
+    return "\n".join(lines) + "\n"
 
 
 def _failures(wrong: Sequence[tuple[str, list[str], str]]) -> str:

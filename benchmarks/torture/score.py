@@ -102,7 +102,9 @@ class _Truth:
 
     def __init__(self, spec: Spec, truth: dict[str, Any], by: Measure) -> None:
         self.nyquist = pi / spec["dt"] if spec.get("dt") else inf
-        self.generous = by.generous
+        ends = spec.get("num", [0.0]), spec.get("den", [1.0])
+        loud = len(ends[0]) == len(ends[1]) and abs(ends[0][0]) >= abs(ends[1][0])
+        self.loud_for_ever = spec["form"] == "s" and loud
         self.sure: dict[str, list[Crossing]] = {}
         self.maybe: dict[str, list[Crossing]] = {}
         self.doubt: dict[str, list[Crossing]] = {}
@@ -126,7 +128,8 @@ class _Truth:
         return c[0] == 0 or c[0] >= self.nyquist * (1 - 1e-9)
 
     def choices(self, kind: str) -> Iterable[list[Crossing]]:
-        """Yield every list of crossings that is a fair reading of the loop."""
+        """Yield every list of crossings that is a fair reading of the loop, the whole one first."""
+        yield self.sure[kind] + self.maybe[kind]
         maybe = self.maybe[kind][:6]
         for n in range(len(maybe) + 1):
             for some in combinations(maybe, n):
@@ -150,6 +153,9 @@ class _Truth:
         return {min((pm for _, pm in c), key=abs, default=inf) for c in self.choices("gains")}
 
     def delays(self) -> set[float]:
+        """Return the delay margins; a gain that stays above 1 for ever bears no delay at all."""
+        if self.loud_for_ever:
+            return {0.0}
         return {
             min((radians(pm) % tau / w for w, pm in c if w), default=inf)
             for c in self.choices("gains")

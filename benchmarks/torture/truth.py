@@ -94,8 +94,15 @@ class Loop:
     def at(self, w: mpf) -> mpc:
         """Return L at w rad/s, straight from its coefficients: the road of the audit."""
         x = mpc(0, w) if self.dt is None else mp.expj(w * mpf(self.dt))
-        top, bottom = (mp.polyval([mpf(c) for c in reversed(a)], x) for a in (self.num, self.den))
-        return top / bottom * mp.expj(-w * mpf(self.dead_time))
+        return horner(self.num, x) / horner(self.den, x) * mp.expj(-w * mpf(self.dead_time))
+
+
+def horner(a: Poly, x: mpc) -> mpc:
+    """Return a(x)."""
+    total = mpc(0)
+    for c in reversed(a):
+        total = total * x + c
+    return total
 
 
 def halves(a: Poly) -> tuple[Poly, Poly]:

@@ -141,8 +141,17 @@ def test_matched_integrators_do_not_come_out_as_nan():
 
 @pytest.mark.parametrize(
     ("method", "integrators", "kept"),
-    [("zoh", 0, 1), ("foh", 0, 2), ("impulse", 0, 0), ("matched", 0, 3)]
-    + [("zoh", 1, 2), ("foh", 1, 3), ("impulse", 1, 1), ("tustin", 1, 3), ("foh", 2, 3)],
+    [
+        ("zoh", 0, 1),
+        ("zoh", 1, 2),
+        ("foh", 0, 2),
+        ("foh", 1, 3),
+        ("foh", 2, 3),
+        ("impulse", 0, 0),
+        ("impulse", 1, 1),
+        ("matched", 0, 3),
+        ("tustin", 1, 3),
+    ],
 )
 def test_zeros_at_the_origin_stay_at_one_as_far_as_the_method_keeps_them(method, integrators, kept):
     # s^3 P0/(s^k) sampled for an input 1/s^i has min(3, k + i) factors z - 1, i = 0, 1, 2

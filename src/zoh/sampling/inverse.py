@@ -22,6 +22,7 @@ from zoh.sampling.ring import StepResponse, digits_needed
 
 TOLERANCE = 1e-9  # of the distance between a system and its plant sampled again
 _ROUNDING = 1e-15  # what the last digits of floats can do to that distance
+_DOUBTFUL = Decimal("1e-6")  # of the largest term at |s| = 1/dt: more is no rounding
 
 _ZERO, _ONE = Decimal(0), Decimal(1)
 _RESPONSE = {"impulse": 0, "zoh": 1, "foh": 2}  # integrations from an impulse to the input
@@ -112,7 +113,11 @@ def _plainest(
     """
     gap = distance(bare, again(plant))
     num, den = plant.exact
-    for start in range(len(num) - 1, 0, -1):
+    with digits.precision(digits.KEPT):
+        sizes = [abs(c) / Decimal(bare.dt) ** (len(num) - 1 - i) for i, c in enumerate(num)]
+        doubtful = _DOUBTFUL * max(sizes)
+    noise = next((i for i, s in enumerate(sizes) if s > doubtful), 0)
+    for start in range(noise, 0, -1):
         if not num[start]:
             continue
         plain = Plant.from_exact(num[start:], den)
