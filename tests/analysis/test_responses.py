@@ -1,0 +1,99 @@
+"""Responses other than the step's, by hand and against the plain recursion."""
+
+from math import inf, sqrt
+
+import numpy as np
+import pytest
+
+import zoh
+
+ARM = zoh.Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
+PID = zoh.Sampled(num=[81.51, -139.5, 58.07], den=[1, -1, 0], dt=0.1)
+LEAD = zoh.Sampled(num=[49.927, -48.1396], den=[1, -0.8215], dt=0.1)
+
+
+def recursion(num, den, e):
+    """Return the output of num/den in z for the samples e, the textbook's difference equation."""
+    n, u = len(den) - 1, np.zeros(len(e))
+    num = [0.0] * (n + 1 - len(num)) + list(num)
+    for k in range(len(e)):
+        u[k] = sum(num[i] * e[k - i] for i in range(n + 1) if k >= i)
+        u[k] -= sum(den[i] * u[k - i] for i in range(1, n + 1) if k >= i)
+    return u
+
+
+def sampled_loop(controller, r, count, d=0.0):
+    """Return (y, u) at the samples of the arm under a reference r and an input disturbance d."""
+    plant = zoh.sample(ARM, 0.1)
+    open_loop = np.convolve(controller.num, plant.num), np.convolve(controller.den, plant.den)
+    closed = np.polyadd(open_loop[0], open_loop[1])
+    by_r = recursion(open_loop[0], closed, r)
+    by_d = recursion(np.convolve(plant.num, controller.den), closed, np.full(count, d))
+    y = by_r + by_d
+    return y, recursion(controller.num, controller.den, r - y)
+
+
+@pytest.mark.parametrize("controller", [PID, LEAD], ids=["PID", "lead"])
+@pytest.mark.parametrize("by", zoh.EXCITATIONS)
+def test_the_samples_are_those_of_the_recursion(controller, by):
+    count = 200
+    t = 0.1 * np.arange(count)
+    r = {"step": np.ones(count), "impulse": np.eye(1, count)[0], "ramp": t}.get(by, 0 * t)
+    y, u = sampled_loop(controller, r, count, 1.0 if by == "disturbance" else 0.0)
+    curve = zoh.response_trace(ARM, controller, by=by, t_end=t[-1])
+    scale = max(1.0, np.abs(y).max())
+    # 1e-8: the recursion in expanded coefficients is the less exact of the two
+    assert curve.y == pytest.approx(y, abs=1e-8 * scale)
+    assert curve.u == pytest.approx(u, abs=1e-8 * np.abs(u).max())
+
+
+def test_a_disturbance_on_a_loop_with_gain_leaves_its_share():
+    plant, controller = zoh.Plant(num=[2], den=[1, 1]), zoh.Sampled(num=[4.5], den=[1], dt=0.01)
+    found = zoh.response(plant, controller, by="disturbance")
+    assert found.final_value == pytest.approx(0.2, rel=1e-12)  # 2/(1 + 9)
+    assert found.peak_effort == pytest.approx(0.9, rel=1e-12)  # 9/(1 + 9)
+
+
+def test_an_integral_takes_a_disturbance_away():
+    found = zoh.response(ARM, PID, by="disturbance")
+    assert found.final_value == 0.0
+    assert found.peak > 0.05
+    assert found.settling_time is not None
+
+
+def test_a_ramp_is_followed_at_a_distance_of_one_over_the_velocity_constant():
+    # lead: Kv = D(1) K/a with D(1) = 1.7874/0.1785 and K/a = 2.3 (12/180)/0.7809
+    kv = (49.927 - 48.1396) / (1 - 0.8215) * 2.3 * (12 / 180) / 0.7809
+    found = zoh.response(ARM, LEAD, by="ramp")
+    assert found.final_value == pytest.approx(1 / kv, rel=1e-9)
+    # the arm at 1 unit a second needs a voltage of a/K
+    assert found.peak_effort >= 0.7809 / (2.3 * 12 / 180) * (1 - 1e-9)
+    assert zoh.response(ARM, PID, by="ramp").final_value == 0.0
+    gain = zoh.Sampled(num=[2], den=[1], dt=0.1)
+    static = zoh.response(zoh.Plant(num=[1], den=[1, 1]), gain, by="ramp")
+    assert static.final_value == inf
+    assert static.settling_time is None
+
+
+def test_noise_by_hand():
+    # y(k+1) = (1 - g) y(k) - g n(k): var y = g^2/(1 - (1-g)^2) = g/(2-g); u = -g (y + n)
+    g = 0.4
+    y, u = zoh.noise_gains(zoh.Plant(num=[1], den=[1, 0]), zoh.Sampled(num=[g], den=[1], dt=1.0))
+    assert y == pytest.approx(sqrt(g / (2 - g)), rel=1e-12)
+    assert u == pytest.approx(g * sqrt(g / (2 - g) + 1), rel=1e-12)
+
+
+def test_noise_is_the_sum_of_squares_of_the_impulse_response():
+    y, u = sampled_loop(LEAD, -np.eye(1, 4000)[0], 4000)
+    found = zoh.noise_gains(ARM, LEAD)
+    # 1e-7: what is left of the slowest mode after 4000 samples, and the recursion's rounding
+    assert found == pytest.approx((sqrt(y @ y), sqrt(u @ u)), rel=1e-7)
+
+
+def test_unstable_and_unknown_are_refused():
+    with pytest.raises(zoh.SpecError, match="must make the closed loop stable"):
+        zoh.response(ARM, zoh.Sampled(num=[1e6], den=[1], dt=0.1), by="step")
+    with pytest.raises(zoh.SpecError, match="by must be one of step, impulse"):
+        zoh.response(ARM, LEAD, by="sine")
+    with pytest.raises(zoh.SpecError, match="must make the closed loop stable"):
+        zoh.noise_gains(ARM, zoh.Sampled(num=[1e6], den=[1], dt=0.1))
