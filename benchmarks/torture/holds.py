@@ -18,7 +18,7 @@ with warnings.catch_warnings():
 
 CLOCKS = tuple(10.0**k for k in range(3, -8, -1))
 DELAYS = (0.0, 0.3, 1.0, 2.7)
-PLANTS = {
+PLANTS: dict[str, tuple[list[float], list[float], tuple[float, ...]]] = {
     "arm": (ARM["num"], ARM["den"], CLOCKS),
     "1/s^2": ([1.0], [1.0, 0.0, 0.0], CLOCKS),
     "order 10, poles -1 ... -10": ([3628800.0], [float(c) for c in np.poly(-np.arange(1.0, 11))],
@@ -26,6 +26,7 @@ PLANTS = {
     "order 10, (s + 1)^10": ([1.0], [float(c) for c in np.poly(-np.ones(10))], CLOCKS[3:]),
 }  # fmt: skip
 Pair = tuple[list[float], list[float]]
+Exact = tuple[list[mpf], list[mpf]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,13 +52,13 @@ def rows() -> Iterator[Row]:
                 yield Row(plant=name, dt=dt, delay=delay, errors=errors)
 
 
-def _truth(num: list[float], den: list[float], dt: float, dead_time: float) -> tuple[list, list]:
+def _truth(num: list[float], den: list[float], dt: float, dead_time: float) -> Exact:
     with mp.workdps(held.digits_for(num, den, dt)):
         top, bottom, m = held.held(num, den, dt, dead_time)
         return top[::-1], bottom[::-1] + [mpf(0)] * m
 
 
-def _worst(said: Pair | None, truth: tuple[list, list]) -> float | None:
+def _worst(said: Pair | None, truth: Exact) -> float | None:
     """Return the largest |coefficient/true - 1| of those that a float can hold."""
     if said is None:
         return None
@@ -72,7 +73,7 @@ def _worst(said: Pair | None, truth: tuple[list, list]) -> float | None:
     return worst
 
 
-def _trimmed(a: list) -> list:
+def _trimmed(a: list[mpf]) -> list[mpf]:
     start = next(i for i, c in enumerate(a) if abs(c) > mpf(10) ** -1000)
     return a[start:]
 

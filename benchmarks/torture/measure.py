@@ -118,14 +118,19 @@ def _short(pair: Pair) -> list[str]:
 
 def main() -> None:
     """Write truth.json.gz; nothing is written where one loop could not be measured."""
-    specs, found, failed = loops.read(loops.LOOPS), [], []
+    specs = loops.read(loops.LOOPS)
+    found: list[Spec] = []
+    failed: list[str] = []
     with ProcessPoolExecutor() as pool:
         for i, item in enumerate(pool.map(_tried, specs, chunksize=8), 1):
-            (failed if isinstance(item, str) else found).append(item)
+            if isinstance(item, str):
+                failed.append(item)
+            else:
+                found.append(item)
             if i % 100 == 0:
                 sys.stderr.write(f"{i} of {len(specs)}\n")
     if failed:
-        sys.exit("\n".join(map(str, failed)))
+        sys.exit("\n".join(failed))
     loops.write(loops.TRUTH, found)
 
 

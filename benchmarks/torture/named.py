@@ -9,7 +9,7 @@ from typing import Any
 
 Spec = dict[str, Any]
 
-ARM = {"num": [0.1533], "den": [1.0, 0.7809, 0.0], "dead_time": 0.0}
+ARM: Spec = {"num": [0.1533], "den": [1.0, 0.7809, 0.0], "dead_time": 0.0}
 CLOCKS = (0.1, 0.05, 0.02, 0.01, 3e-3, 1e-3, 1e-4, 1e-5, 1e-6)
 
 

@@ -120,9 +120,9 @@ class _Truth:
             self.maybe[kind] += low
             self.sure[kind] = [c for c in self.sure[kind] if c not in low]
         if by.generous:
-            ends = [c for c in self.sure["phases"] if self.at_end(c)]
-            self.maybe["phases"] += ends
-            self.sure["phases"] = [c for c in self.sure["phases"] if c not in ends]
+            outer = [c for c in self.sure["phases"] if self.at_end(c)]
+            self.maybe["phases"] += outer
+            self.sure["phases"] = [c for c in self.sure["phases"] if c not in outer]
 
     def at_end(self, c: Crossing) -> bool:
         return c[0] == 0 or c[0] >= self.nyquist * (1 - 1e-9)

@@ -11,11 +11,12 @@ from mpmath import mp
 
 LOOPS = {spec["name"]: spec for spec in loops.read(loops.LOOPS)}
 TRUTH = {truth["name"]: truth for truth in loops.read(loops.TRUTH)}
+ONCE_WRONG = ["robot PID, 0.03-0.3 s #82", "continuous, dead time #34", "continuous, dead time #46"]
 PART = [name for i, (name, s) in enumerate(LOOPS.items()) if s["class"] == "named" or i % 8 == 0]
 AGAIN = [*list(LOOPS)[:4], *random.Random(1).sample(list(LOOPS), 16)]
 
 
-@pytest.mark.parametrize("name", PART)
+@pytest.mark.parametrize("name", [*PART, *ONCE_WRONG])
 def test_zoh_has_nothing_wrong(name):
     said = run_zoh.answer(LOOPS[name])
     assert said.error is None
@@ -27,10 +28,13 @@ def test_the_truth_that_is_written_down_is_what_the_script_finds(name):
     assert measure.measured(LOOPS[name]) == TRUTH[name]
 
 
-def test_every_machine_draws_the_same_loops():
-    drawn = generate.draws()
-    for _, (old, new) in zip(range(600), zip(LOOPS.values(), drawn, strict=True), strict=False):
-        assert old == new
+@pytest.mark.parametrize("label", generate.CLASSES)
+def test_every_machine_draws_the_same_loops(label):
+    count, draw = generate.CLASSES[label]
+    for i in range(0, count, count // 6):
+        name = f"{label} #{i}"
+        drawn = draw(random.Random(f"{label}/{i}"))
+        assert LOOPS[name] == {"name": name, "class": label, **drawn}
 
 
 def test_there_are_as_many_loops_as_promised_and_a_truth_for_each():
@@ -53,7 +57,7 @@ RIGHT = "leaves at z = -1: gain margin 1.5"
         ({"gains": ()}, "missed"),
         ({"phases": ((1.0, 2.0), (3.141592653589793, 1.5))}, "invented"),
         ({"phases": ((3.141592653589793 * (1 - 1e-8), 1.5),)}, "off"),
-        ({"delay": 1.0}, "delay"),
+        ({"delay": 1.0 + 3e-9}, "delay"),
         ({"error": "ValueError"}, "PM"),
     ],
 )

@@ -37,6 +37,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = _parser().parse_args(argv)
     try:
         # an overflow that nobody foresaw is an error here, never a number
+        if sys.stdout is None:
+            return _fail(BAD_INPUT, "standard output must be open, got a closed one: redirect it")
         with np.errstate(over="raise", invalid="raise", divide="raise"):
             code: int = arguments.run(arguments)
         sys.stdout.flush()  # a reader that left is noticed here, not at exit

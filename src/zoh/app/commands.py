@@ -145,6 +145,9 @@ def warnings(project: Project, entries: Sequence[Entry]) -> tuple[str, ...]:
     """Return what the numbers do not show: hidden modes, an actuator asked for too much."""
     hidden = hidden_instability(project)
     said = [] if hidden is None else [hidden]
+    left = [c.name for c in project.controllers if c.name not in {e.name for e in entries}]
+    if left:
+        said.append(f"not checked, nothing being given of them: {', '.join(left)}; run zoh design")
     for entry in entries:
         step = None if entry.measured is None else entry.measured.step
         if step is not None and step.effort_range is not None:

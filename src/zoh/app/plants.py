@@ -101,7 +101,9 @@ def _from_matrices(section: Section, dead_time: float, sensor: float) -> Plant:
 
 
 def _from_joint(section: Section, dead_time: float, sensor: float) -> Plant:
-    constants = Section(path="joint.", data=section.section("joint").data)
+    constants = Section(
+        path="joint.", data=Section(path="", data=section.data).section("joint").data
+    )
     constants.only(field.name for field in fields(Joint))
     for name in ("torque_constant", "resistance"):
         if name not in constants.data:

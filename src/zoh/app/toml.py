@@ -98,7 +98,8 @@ class Section:
         """Return a table inside this one, empty where there is none."""
         value = self.data.get(key, {})
         if not isinstance(value, dict):
-            raise SpecError(f"{self.path}{key}", "must be a table", value, f"write [{key}]")
+            name = f"{self.path}{key}"
+            raise SpecError(name, "must be a table", value, f"write [{name}]")
         return Section(path=f"{self.path}{key}.", data=value)
 
     def number(self, key: str) -> Literal | None:

@@ -94,7 +94,9 @@ class _Parser:
     def whole(self) -> Rational:
         """Return the value of the whole text."""
         if self.here.kind == "end":
-            raise SpecError(self.name, "must not be empty", self.text, 'write "1/(s + 1)"')
+            raise SpecError(
+                self.name, "must not be empty", self.text, "write a formula or a number"
+            )
         value = self.sum()
         if self.here.text == ")":
             raise self.refused("must have a '(' for every ')'", "remove it or open it earlier")
