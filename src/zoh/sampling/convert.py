@@ -12,7 +12,7 @@ from math import pi
 from zoh import checks
 from zoh.errors import SpecError
 from zoh.lti.systems import Plant, Sampled, sample_time
-from zoh.sampling import differences, invariant, inverse, matched
+from zoh.sampling import differences
 from zoh.sampling.hold import sample, whole_samples
 from zoh.sampling.rounding import out_of_range
 
@@ -82,6 +82,8 @@ def undiscretise(system: Sampled, method: str, prewarp: float | None = None) -> 
     """
     if not isinstance(system, Sampled):
         raise SpecError("system", "must be a zoh.Sampled", system, "it is the sampled side")
+    from zoh.sampling import inverse  # the way back is rarely gone, and long to load
+
     again = _forward(system.dt, method, prewarp)
     if method in _THETA:
         a = _stretch(system.dt, prewarp)
@@ -109,6 +111,8 @@ def _forward(dt: float, method: str, prewarp: float | None) -> Callable[[Plant],
 
 def _sampled(plant: Plant, dt: float, method: str, a: Decimal) -> Sampled:
     """Return the plant by this method; ``a`` is Tustin's factor."""
+    from zoh.sampling import invariant, matched  # only where another hold is asked for
+
     if method == "zoh":
         return sample(plant, dt)
     if method == "foh":
