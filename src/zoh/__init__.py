@@ -13,9 +13,10 @@ from zoh.analysis.responses import Response, noise_gains, response, response_tra
 from zoh.analysis.results import Margins, StepInfo
 from zoh.analysis.step import Trace, step_info, trace
 from zoh.analysis.verify import Measured, Verified, measure, verify
+from zoh.certificate import LAWS
 from zoh.errors import Infeasible, NotMet, SpecError, ZohError
 from zoh.lti.systems import Plant, Sampled
-from zoh.pipeline import LAWS, design, lag, lead, p, pd, pi, pid
+from zoh.pipeline import design, lag, lead, p, pd, pi, pid
 from zoh.sampling.convert import METHODS, discretise, undiscretise
 from zoh.sampling.hold import sample
 from zoh.spec import Crossover, Requirements

@@ -5,49 +5,17 @@ meets its specification in the loop it was measured in, or raises; none clamps.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from math import cos
-
-import numpy as np
 
 from zoh import checks
 from zoh.analysis.closed import followable
-from zoh.analysis.loop import Loop
-from zoh.analysis.margins import measure_loop
-from zoh.analysis.results import Margins
-from zoh.analysis.stability import closed_loop_stable
 from zoh.analysis.verify import NOTHING_ASKED, Measured, Verified, measure, verified
-from zoh.design import first_order
+from zoh.certificate import LAWS, SolvedLaw, certified, least_turn, off_target, solved
 from zoh.design import p as p_law
-from zoh.design import pi as pi_law
-from zoh.design import pid as pid_law
-from zoh.design.target import Target, nearest
+from zoh.design.target import Target
 from zoh.errors import Infeasible, NotMet, SpecError
 from zoh.lti.systems import Plant, Sampled, sample_time
 from zoh.sampling.hold import sample
 from zoh.spec import Crossover, Requirements
-
-LAWS: Mapping[str, tuple[str, ...]] = {
-    "p": ("wc", "pm_deg"),
-    "pi": ("wc", "pm_deg"),
-    "pd": ("wc", "pm_deg"),
-    "pid": ("wc", "pm_deg", "ki"),
-    "lag": ("wc", "pm_deg", "dc_gain"),
-    "lead": ("wc", "pm_deg", "dc_gain"),
-}
-"""Every law and the parameters it takes."""
-
-_MARGIN_TOL_DEG = 1e-9  # the promise of this library; the closed forms reach some 1e-13
-_CROSSOVER_TOL = 1e-9  # relative
-_SMALL_KI = 1e-3  # times wc/|G|: an integral that is there and turns next to nothing
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Law:
-    """A solved law, whichever it is."""
-
-    controller: Sampled
-    gains: Mapping[str, float]
 
 
 def p(
@@ -153,7 +121,7 @@ def design(
     followable(plant, sample_time(dt), compute_delay)
     sampled = sample(plant, dt, compute_delay)
 
-    def checked(found: _Law, spec: Crossover | None) -> Verified:
+    def checked(found: SolvedLaw, spec: Crossover | None) -> Verified:
         evidence = measure(
             plant, found.controller, compute_delay=compute_delay, requirements=requirements,
             reference=reference, law=law, gains=found.gains, name=name,
@@ -167,28 +135,28 @@ def design(
         return _free_p(sampled, parameters, checked)
     spec = Crossover(wc=parameters["wc"], pm_deg=parameters["pm_deg"])
     try:
-        return checked(_solved(law, sampled, spec, parameters), spec)
+        return checked(solved(law, sampled, spec, parameters), spec)
     except Infeasible as refused:
-        raise _certified(refused, law, sampled, spec, parameters) from None
+        raise certified(refused, law, sampled, spec, parameters) from None
 
 
 def _free_p(
     sampled: Sampled,
     parameters: Mapping[str, float],
-    checked: Callable[[_Law, Crossover | None], Verified],
+    checked: Callable[[SolvedLaw, Crossover | None], Verified],
 ) -> Verified:
     """Return the P of a crossover alone, or of a margin alone: there the fastest that holds."""
     if "wc" in parameters:
         target = Target.of(sampled, Crossover(wc=parameters["wc"], pm_deg=90.0))
         law = p_law.P(kp=1 / target.size, dt=sampled.dt)
-        return checked(_Law(controller=law.controller(), gains=law.gains), None)
+        return checked(SolvedLaw(controller=law.controller(), gains=law.gains), None)
     pm_deg = Crossover(wc=1.0, pm_deg=parameters["pm_deg"]).pm_deg
     failure: NotMet | None = None
     for wc in p_law.crossovers(sampled, pm_deg):
         law = p_law.P(kp=1 / abs(sampled.at(wc)), dt=sampled.dt)
         try:
             return checked(
-                _Law(controller=law.controller(), gains=law.gains),
+                SolvedLaw(controller=law.controller(), gains=law.gains),
                 Crossover(wc=wc, pm_deg=pm_deg),
             )
         except NotMet as missed:
@@ -198,91 +166,20 @@ def _free_p(
     raise Infeasible(
         f"a P turns the phase by nothing, and the plant alone has a margin of {pm_deg:g} deg "
         "at no frequency below Nyquist's",
-        needed_deg=_least_turn(sampled, pm_deg),
+        needed_deg=least_turn(sampled, pm_deg),
     )
-
-
-def _least_turn(sampled: Sampled, pm_deg: float) -> float:
-    """Return the smallest phase in deg, over all frequencies, that would make up the margin."""
-    phase = np.degrees(np.angle(sampled.at(p_law.looked_at(sampled))))
-    turns = (pm_deg - phase) % 360.0 - 180.0
-    return float(turns[np.argmin(np.abs(turns))])
-
-
-def _solved(law: str, sampled: Sampled, spec: Crossover, parameters: Mapping[str, float]) -> _Law:
-    found: p_law.P | pi_law.PI | pid_law.PID | first_order.FirstOrder
-    if law == "p":
-        found = p_law.solve(sampled, spec)
-    elif law == "pi":
-        found = pi_law.solve(sampled, spec)
-    elif law in ("pd", "pid"):
-        found = pid_law.solve(sampled, spec, parameters["ki"] if law == "pid" else 0.0)
-    elif law == "lag":
-        found = first_order.lag(sampled, spec, parameters["dc_gain"])
-    else:
-        found = first_order.lead(sampled, spec, parameters["dc_gain"])
-    gains = {k: v for k, v in found.gains.items() if law != "pd" or k != "ki"}
-    return _Law(controller=found.controller(), gains=gains)
 
 
 def _not_as_asked(evidence: Measured, spec: Crossover | None) -> list[str]:
     """Return what is not as the crossover was asked for; instability speaks for itself."""
     m = evidence.margins
-    if spec is None or not m.stable or not _off_target(m, spec):
+    if spec is None or not m.stable or not off_target(m, spec):
         return []
     at = "no frequency" if m.crossover is None else f"{m.crossover:.6g} rad/s"
     return [
         f"the phase margin is {m.phase_margin_deg:.6g} deg at {at}, another crossover "
         f"of this loop, not {spec.pm_deg:g} deg at {spec.wc:g} rad/s"
     ]
-
-
-def _off_target(m: Margins, spec: Crossover) -> bool:
-    """Return whether the margin nearest to zero is another one than was asked for."""
-    return (
-        m.crossover is None
-        or abs(m.phase_margin_deg - spec.pm_deg) > _MARGIN_TOL_DEG
-        or abs(m.crossover / spec.wc - 1) > _CROSSOVER_TOL
-    )
-
-
-def _certified(
-    refused: Infeasible, law: str, sampled: Sampled, spec: Crossover,
-    parameters: Mapping[str, float],
-) -> Infeasible:  # fmt: skip
-    """Return the refusal with where this law can, and which laws can here; all of it tried."""
-
-    def works(name: str, at: Crossover) -> bool:
-        try:
-            found = _solved(name, sampled, at, {**_free(sampled, at), **parameters})
-        except (Infeasible, SpecError):
-            return False
-        loop = Loop.of(found.controller, sampled)
-        return closed_loop_stable(loop) and not _off_target(measure_loop(loop), at)
-
-    return Infeasible(
-        refused.reason,
-        needed_deg=refused.needed_deg,
-        best_pm_deg=refused.best_pm_deg,
-        nearest_wc=nearest(
-            lambda wc: works(law, Crossover(wc=wc, pm_deg=spec.pm_deg)), spec.wc, sampled.dt
-        ),
-        laws_that_can=tuple(name for name in LAWS if name != law and works(name, spec)),
-    )
-
-
-def _free(sampled: Sampled, spec: Crossover) -> dict[str, float]:
-    """Return values to try for gains that were not given: modest ones that leave room.
-
-    A small integral; a gain at w = 0 from which a lead has to rise, or a lag to fall, to twice
-    or half of it along the way.
-    """
-    target = Target.of(sampled, spec)
-    needed = max(cos(target.theta), 0.1) / target.size
-    return {
-        "ki": _SMALL_KI * spec.wc / target.size,
-        "dc_gain": needed / 2 if target.theta > 0 else 2 / (needed * target.size**2),
-    }
 
 
 def _checked(law: str, given: Mapping[str, float | None]) -> dict[str, float]:

@@ -1,5 +1,6 @@
 """What was measured: values that know their JSON form."""
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import inf, isinf, log10
 from typing import Any
@@ -125,6 +126,30 @@ class StepInfo:
         if self.effort_range is not None:
             out["effort_range"] = list(self.effort_range)
         return out
+
+
+class Gains(Mapping[str, float]):
+    """Gains by name, read-only; unlike a mapping proxy they can be pickled and hashed."""
+
+    __slots__ = ("_items",)
+
+    def __init__(self, items: Mapping[str, float]) -> None:
+        self._items = tuple(items.items())
+
+    def __getitem__(self, name: str) -> float:
+        return dict(self._items)[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return (name for name, _ in self._items)
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    def __hash__(self) -> int:
+        return hash(self._items)
+
+    def __repr__(self) -> str:
+        return repr(dict(self._items))
 
 
 def jsonable(value: float | None) -> float | str | None:

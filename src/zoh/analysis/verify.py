@@ -6,15 +6,16 @@ law and its gains are labels.
 """
 
 from cmath import exp
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import radians
 from typing import Any
 
 from zoh import checks
+from zoh.analysis.asked import missed
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import measure_loop
-from zoh.analysis.results import Margins, StepInfo
+from zoh.analysis.results import Gains, Margins, StepInfo
 from zoh.analysis.stability import closed_loop_stable
 from zoh.analysis.step import closed_loop_step
 from zoh.errors import NotMet, SpecError
@@ -24,32 +25,7 @@ from zoh.sampling.hold import sample
 from zoh.spec import Requirements
 
 NOTHING_ASKED = Requirements()
-_EQUAL = 1e-9  # 6 x 0.1 s is 0.6000000000000001: what equals a bound but for rounding meets it
 _SAME_GAIN = 1e-6  # two roads to one gain; they differ by rounding, another loop by far more
-
-
-class Gains(Mapping[str, float]):
-    """Gains by name, read-only; unlike a mapping proxy they can be pickled and hashed."""
-
-    __slots__ = ("_items",)
-
-    def __init__(self, items: Mapping[str, float]) -> None:
-        self._items = tuple(items.items())
-
-    def __getitem__(self, name: str) -> float:
-        return dict(self._items)[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return (name for name, _ in self._items)
-
-    def __len__(self) -> int:
-        return len(self._items)
-
-    def __hash__(self) -> int:
-        return hash(self._items)
-
-    def __repr__(self) -> str:
-        return repr(dict(self._items))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -244,49 +220,6 @@ def verified(evidence: Measured) -> Verified:
     if evidence.misses:
         raise NotMet(evidence.misses, evidence)
     return Verified(**{f: getattr(evidence, f) for f in Measured.__slots__})
-
-
-def missed(asked: Requirements, margins: Margins, step: StepInfo | None) -> list[str]:
-    """Return a sentence for each requirement missed, instability first."""
-    if not margins.stable:
-        return ["the closed loop is unstable"]
-    found = []
-    for name, bound, value, at_least in _compared(asked, margins, step):
-        if bound is None:
-            continue
-        slack = _EQUAL * abs(bound)
-        good = value is not None and (
-            value >= bound - slack if at_least else value <= bound + slack
-        )
-        if not good:
-            word = "at least" if at_least else "at most"
-            shown = "none" if value is None else f"{value:.6g}"
-            found.append(f"{name} must be {word} {bound:g}, measured {shown}")
-    return found
-
-
-def _compared(
-    asked: Requirements, margins: Margins, step: StepInfo | None
-) -> list[tuple[str, float | None, float | None, bool]]:
-    """Return (name, bound, measured, whether the bound is a least) for every requirement."""
-    gain_db = abs(margins.gain_margin_db)
-    rows: list[tuple[str, float | None, float | None, bool]] = [
-        ("pm_deg", asked.pm_deg, margins.phase_margin_deg, True),
-        ("gain_margin_db", asked.gain_margin_db, gain_db, True),
-        ("delay_margin", asked.delay_margin, margins.delay_margin, True),
-        ("ms", asked.ms, margins.ms, False),
-        ("mt", asked.mt, margins.mt, False),
-    ]
-    if step is not None:
-        between = step.between_samples or step
-        rows += [
-            ("overshoot_pct", asked.overshoot_pct, between.overshoot_pct, False),
-            ("rise_time", asked.rise_time, step.rise_time, False),
-            ("settling_time", asked.settling_time, step.settling_time, False),
-            ("steady_state_error", asked.steady_state_error, abs(step.steady_state_error), False),
-            ("peak_effort", asked.peak_effort, step.peak_effort, False),
-        ]
-    return rows
 
 
 def _or_none(value: float | None) -> str:

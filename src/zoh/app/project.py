@@ -11,10 +11,10 @@ from zoh.app.claims import CLAIMS, Claim
 from zoh.app.kinds import KINDS
 from zoh.app.plants import output_unit, read_plant
 from zoh.app.toml import Literal, Section, tables, within
+from zoh.certificate import LAWS
 from zoh.errors import SpecError
 from zoh.lti.parse import quotient
 from zoh.lti.systems import Plant, Sampled
-from zoh.pipeline import LAWS
 from zoh.spec import Crossover, Requirements
 
 SECTIONS = ("plant", "sensor", "actuator", "sampling", "controller", "requirements", "reference")

@@ -11,10 +11,9 @@ from zoh import checks
 from zoh.errors import SpecError
 from zoh.lti import digits, poly
 from zoh.lti.digits import Exact
+from zoh.lti.given import check_fraction, checked_state_space, paired
 from zoh.lti.poly import Poly
 from zoh.lti.wplane import w_to_z, z_to_w
-
-MAX_ORDER = 50  # beyond it a double holds no polynomial; real loops stay far below
 
 ComplexArray = npt.NDArray[np.complex128]
 
@@ -44,7 +43,7 @@ class Plant:
         put = object.__setattr__
         put(self, "num", checks.coefficients("num", self.num))
         put(self, "den", checks.coefficients("den", self.den))
-        _check_fraction(self.num, self.den, "s")
+        check_fraction(self.num, self.den, "s")
         put(self, "dead_time", checks.not_negative("dead_time", self.dead_time, "seconds, >= 0"))
         put(self, "sensor", checks.number("sensor", self.sensor, "give the sensor gain"))
         if self.sensor == 0:
@@ -105,8 +104,8 @@ class Plant:
         >>> Plant.zpk(zeros=[], poles=[0, -0.7809], gain=2.3).den
         (1.0, 0.7809, 0.0)
         """
-        top = digits.from_roots(_paired("zeros", zeros))
-        bottom = digits.from_roots(_paired("poles", poles))
+        top = digits.from_roots(paired("zeros", zeros))
+        bottom = digits.from_roots(paired("poles", poles))
         k = checks.number("gain", gain)
         with digits.precision(digits.KEPT):
             top = tuple(digits.exact([k])[0] * c for c in top)
@@ -123,7 +122,7 @@ class Plant:
         >>> Plant.ss([[0, 1], [0, -0.7809]], [0, 2.3], [1, 0]).num
         (2.3,)
         """
-        matrix, col, row, direct = _checked_state_space(a, b, c, d)
+        matrix, col, row, direct = checked_state_space(a, b, c, d)
         num, den = digits.state_space(matrix, col, row, direct)
         return cls.from_exact(num, den, dead_time=dead_time, sensor=sensor)
 
@@ -175,7 +174,7 @@ class Sampled:
         put(self, "num", checks.coefficients("num", self.num))
         put(self, "den", checks.coefficients("den", self.den))
         put(self, "dt", sample_time(self.dt))
-        _check_fraction(self.num, self.den, "z")
+        check_fraction(self.num, self.den, "z")
         n = len(self.den) - 1
         put(self, "num_w", digits.rounded(z_to_w(self.num, self.dt, n)))
         put(self, "den_w", digits.rounded(z_to_w(self.den, self.dt, n)))
@@ -286,68 +285,3 @@ def _in_z(a_w: Poly, dt: float) -> ComplexArray:
 def _quotient(top: Any, bottom: Any) -> Any:
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(bottom == 0, complex(np.inf, 0), top / np.where(bottom == 0, 1, bottom))
-
-
-def _check_fraction(num: Poly, den: Poly, variable: str) -> None:
-    if not any(den):
-        raise SpecError("den", "must not be all zeros", list(den), "give at least one coefficient")
-    if not any(num):
-        raise SpecError(
-            "num", "must not be all zeros", list(num), "a plant that does nothing has no loop"
-        )
-    if len(num) > len(den):
-        reason = "proper" if variable == "s" else "causal"
-        raise SpecError(
-            "num",
-            f"must not have a higher degree in {variable} than den ({len(den) - 1})",
-            len(num) - 1,
-            f"a {reason} system has deg num <= deg den",
-        )
-    if len(den) - 1 > MAX_ORDER:
-        raise SpecError(
-            "den", f"must have order {MAX_ORDER} or less", len(den) - 1, "reduce the model first"
-        )
-
-
-def _paired(name: str, values: Any) -> list[complex]:
-    way_out = "give a list of numbers, complex ones in conjugate pairs"
-    try:
-        roots = [complex(v) for v in values]
-    except (TypeError, ValueError):
-        raise SpecError(name, "must be a list of numbers", values, way_out) from None
-    for r in roots:
-        if not np.isfinite(r):
-            raise SpecError(name, "must be finite", r, way_out)
-    for r in roots:
-        if r.imag and roots.count(r) != roots.count(r.conjugate()):
-            raise SpecError(name, "must come in conjugate pairs", r, f"add {r.conjugate()}")
-    return roots
-
-
-def _checked_state_space(
-    a: Any, b: Any, c: Any, d: Any
-) -> tuple[list[list[float]], list[float], list[float], float]:
-    arrays = []
-    for name, value in (("A", a), ("B", b), ("C", c), ("D", d)):
-        try:
-            array = np.asarray(value, float)
-        except (TypeError, ValueError):
-            raise SpecError(
-                name, "must be a matrix of numbers", value, "give a list of rows"
-            ) from None
-        if not np.isfinite(array).all():
-            raise SpecError(name, "must be finite", value, "remove the NaN or infinity")
-        arrays.append(array)
-    matrix = np.atleast_2d(arrays[0])
-    n = matrix.shape[0]
-    if matrix.ndim != 2 or matrix.shape != (n, n):
-        raise SpecError("A", "must be square", list(matrix.shape), "give n rows of n numbers")
-    if n > MAX_ORDER:
-        raise SpecError("A", f"must have {MAX_ORDER} rows or less", n, "reduce the model first")
-    for name, array, size in (("B", arrays[1], n), ("C", arrays[2], n), ("D", arrays[3], 1)):
-        if array.size != size:
-            raise SpecError(
-                name, f"must have {size} entries (one input, one output)", array.size, "SISO only"
-            )
-    b_c = [x.ravel().tolist() for x in arrays[1:3]]
-    return matrix.tolist(), b_c[0], b_c[1], float(arrays[3].ravel()[0])

@@ -1,0 +1,116 @@
+"""A law solved by name, and what could be had where it cannot: all of it tried, none guessed."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import cos
+
+import numpy as np
+
+from zoh.analysis.loop import Loop
+from zoh.analysis.margins import measure_loop
+from zoh.analysis.results import Margins
+from zoh.analysis.stability import closed_loop_stable
+from zoh.design import first_order
+from zoh.design import p as p_law
+from zoh.design import pi as pi_law
+from zoh.design import pid as pid_law
+from zoh.design.target import Target, nearest
+from zoh.errors import Infeasible, SpecError
+from zoh.lti.systems import Sampled
+from zoh.spec import Crossover
+
+LAWS: Mapping[str, tuple[str, ...]] = {
+    "p": ("wc", "pm_deg"),
+    "pi": ("wc", "pm_deg"),
+    "pd": ("wc", "pm_deg"),
+    "pid": ("wc", "pm_deg", "ki"),
+    "lag": ("wc", "pm_deg", "dc_gain"),
+    "lead": ("wc", "pm_deg", "dc_gain"),
+}
+"""Every law and the parameters it takes."""
+
+_MARGIN_TOL_DEG = 1e-9  # the promise of this library; the closed forms reach some 1e-13
+_CROSSOVER_TOL = 1e-9  # relative
+_SMALL_KI = 1e-3  # times wc/|G|: an integral that is there and turns next to nothing
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SolvedLaw:
+    """A solved law, whichever it is."""
+
+    controller: Sampled
+    gains: Mapping[str, float]
+
+
+def solved(
+    law: str, sampled: Sampled, spec: Crossover, parameters: Mapping[str, float]
+) -> SolvedLaw:
+    """Return the law of this name solved at the crossover; raise Infeasible where it cannot be."""
+    found: p_law.P | pi_law.PI | pid_law.PID | first_order.FirstOrder
+    if law == "p":
+        found = p_law.solve(sampled, spec)
+    elif law == "pi":
+        found = pi_law.solve(sampled, spec)
+    elif law in ("pd", "pid"):
+        found = pid_law.solve(sampled, spec, parameters["ki"] if law == "pid" else 0.0)
+    elif law == "lag":
+        found = first_order.lag(sampled, spec, parameters["dc_gain"])
+    else:
+        found = first_order.lead(sampled, spec, parameters["dc_gain"])
+    gains = {k: v for k, v in found.gains.items() if law != "pd" or k != "ki"}
+    return SolvedLaw(controller=found.controller(), gains=gains)
+
+
+def least_turn(sampled: Sampled, pm_deg: float) -> float:
+    """Return the smallest phase in deg, over all frequencies, that would make up the margin."""
+    phase = np.degrees(np.angle(sampled.at(p_law.looked_at(sampled))))
+    turns = (pm_deg - phase) % 360.0 - 180.0
+    return float(turns[np.argmin(np.abs(turns))])
+
+
+def off_target(m: Margins, spec: Crossover) -> bool:
+    """Return whether the margin nearest to zero is another one than was asked for."""
+    return (
+        m.crossover is None
+        or abs(m.phase_margin_deg - spec.pm_deg) > _MARGIN_TOL_DEG
+        or abs(m.crossover / spec.wc - 1) > _CROSSOVER_TOL
+    )
+
+
+def certified(
+    refused: Infeasible, law: str, sampled: Sampled, spec: Crossover,
+    parameters: Mapping[str, float],
+) -> Infeasible:  # fmt: skip
+    """Return the refusal with where this law can, and which laws can here; all of it tried."""
+
+    def works(name: str, at: Crossover) -> bool:
+        try:
+            found = solved(name, sampled, at, {**_free(sampled, at), **parameters})
+        except (Infeasible, SpecError):
+            return False
+        loop = Loop.of(found.controller, sampled)
+        return closed_loop_stable(loop) and not off_target(measure_loop(loop), at)
+
+    return Infeasible(
+        refused.reason,
+        needed_deg=refused.needed_deg,
+        best_pm_deg=refused.best_pm_deg,
+        nearest_wc=nearest(
+            lambda wc: works(law, Crossover(wc=wc, pm_deg=spec.pm_deg)), spec.wc, sampled.dt
+        ),
+        laws_that_can=tuple(name for name in LAWS if name != law and works(name, spec)),
+    )
+
+
+def _free(sampled: Sampled, spec: Crossover) -> dict[str, float]:
+    """Return values to try for gains that were not given: modest ones that leave room.
+
+    A small integral; a gain at w = 0 from which a lead has to rise, or a lag to fall, to twice
+    or half of it along the way.
+    """
+    target = Target.of(sampled, spec)
+    needed = max(cos(target.theta), 0.1) / target.size
+    return {
+        "ki": _SMALL_KI * spec.wc / target.size,
+        "dc_gain": needed / 2 if target.theta > 0 else 2 / (needed * target.size**2),
+    }

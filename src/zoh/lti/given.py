@@ -1,0 +1,78 @@
+"""What a user gives for a system, checked and in the form the library works with."""
+
+from typing import Any
+
+import numpy as np
+
+from zoh.errors import SpecError
+from zoh.lti.poly import Poly
+
+MAX_ORDER = 50  # beyond it a double holds no polynomial; real loops stay far below
+
+
+def check_fraction(num: Poly, den: Poly, variable: str) -> None:
+    """Raise SpecError unless num/den is a proper (causal) fraction of a known order."""
+    if not any(den):
+        raise SpecError("den", "must not be all zeros", list(den), "give at least one coefficient")
+    if not any(num):
+        raise SpecError(
+            "num", "must not be all zeros", list(num), "a plant that does nothing has no loop"
+        )
+    if len(num) > len(den):
+        reason = "proper" if variable == "s" else "causal"
+        raise SpecError(
+            "num",
+            f"must not have a higher degree in {variable} than den ({len(den) - 1})",
+            len(num) - 1,
+            f"a {reason} system has deg num <= deg den",
+        )
+    if len(den) - 1 > MAX_ORDER:
+        raise SpecError(
+            "den", f"must have order {MAX_ORDER} or less", len(den) - 1, "reduce the model first"
+        )
+
+
+def paired(name: str, values: Any) -> list[complex]:
+    """Return roots as complex numbers; raise SpecError unless they come in conjugate pairs."""
+    way_out = "give a list of numbers, complex ones in conjugate pairs"
+    try:
+        roots = [complex(v) for v in values]
+    except (TypeError, ValueError):
+        raise SpecError(name, "must be a list of numbers", values, way_out) from None
+    for r in roots:
+        if not np.isfinite(r):
+            raise SpecError(name, "must be finite", r, way_out)
+    for r in roots:
+        if r.imag and roots.count(r) != roots.count(r.conjugate()):
+            raise SpecError(name, "must come in conjugate pairs", r, f"add {r.conjugate()}")
+    return roots
+
+
+def checked_state_space(
+    a: Any, b: Any, c: Any, d: Any
+) -> tuple[list[list[float]], list[float], list[float], float]:
+    """Return (A, B, C, D) as lists and a float; raise SpecError unless they are SISO and fit."""
+    arrays = []
+    for name, value in (("A", a), ("B", b), ("C", c), ("D", d)):
+        try:
+            array = np.asarray(value, float)
+        except (TypeError, ValueError):
+            raise SpecError(
+                name, "must be a matrix of numbers", value, "give a list of rows"
+            ) from None
+        if not np.isfinite(array).all():
+            raise SpecError(name, "must be finite", value, "remove the NaN or infinity")
+        arrays.append(array)
+    matrix = np.atleast_2d(arrays[0])
+    n = matrix.shape[0]
+    if matrix.ndim != 2 or matrix.shape != (n, n):
+        raise SpecError("A", "must be square", list(matrix.shape), "give n rows of n numbers")
+    if n > MAX_ORDER:
+        raise SpecError("A", f"must have {MAX_ORDER} rows or less", n, "reduce the model first")
+    for name, array, size in (("B", arrays[1], n), ("C", arrays[2], n), ("D", arrays[3], 1)):
+        if array.size != size:
+            raise SpecError(
+                name, f"must have {size} entries (one input, one output)", array.size, "SISO only"
+            )
+    b_c = [x.ravel().tolist() for x in arrays[1:3]]
+    return matrix.tolist(), b_c[0], b_c[1], float(arrays[3].ravel()[0])
