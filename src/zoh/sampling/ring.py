@@ -18,6 +18,7 @@ from math import ceil, log10
 
 from zoh.errors import SpecError
 from zoh.lti.digits import Exact, precision
+from zoh.sampling.algebra import from_power_sums, power_sums
 
 _ZERO, _ONE = Decimal(0), Decimal(1)
 _LN10 = 2.302585092994046
@@ -84,7 +85,7 @@ class StepResponse:
         return cls(
             modulus=tuple(whole[:0:-1]),
             markov=tuple(markov),
-            sums=_power_sums(monic[: n - k + 1], n + 1),
+            sums=power_sums(monic[: n - k + 1], n + 1),
             order=n,
             integrators=k,
             zeros_at_origin=_trailing_zeros(top),
@@ -102,7 +103,7 @@ class StepResponse:
                 traces.append(_dot(power, self.sums))
             shifted = power if element is None else self._product(power, element)
             values.append(_dot(shifted, self.markov))
-        return _from_traces(traces[: self.order - self.integrators]), values
+        return from_power_sums(traces[: self.order - self.integrators]), values
 
     def exponential(self, t: Decimal) -> list[Decimal]:
         """Return exp(sigma t) mod the modulus, by Taylor's series, halved and squared.
@@ -158,24 +159,3 @@ def _dot(a: Sequence[Decimal], b: Sequence[Decimal]) -> Decimal:
 
 def _trailing_zeros(a: Sequence[Decimal]) -> int:
     return next(i for i, c in enumerate(reversed(a)) if c)
-
-
-def _power_sums(monic: Sequence[Decimal], count: int) -> Exact:
-    """Return [sum of r**j over the roots r, j = 0 ... count - 1] by Newton's identities."""
-    n = len(monic) - 1
-    sums = [Decimal(n)]
-    for j in range(1, count):
-        total = -j * monic[j] if j <= n else _ZERO
-        for i in range(1, min(j - 1, n) + 1):
-            total -= monic[i] * sums[j - i]
-        sums.append(total)
-    return tuple(sums)
-
-
-def _from_traces(traces: Sequence[Decimal]) -> Exact:
-    """Return the monic polynomial whose roots' power sums are these, j = 1 ... n."""
-    monic = [_ONE]
-    for k in range(1, len(traces) + 1):
-        total = sum((monic[k - i] * traces[i - 1] for i in range(1, k + 1)), _ZERO)
-        monic.append(-total / k)
-    return tuple(monic)
