@@ -17,6 +17,7 @@ from zoh.errors import SpecError
 from zoh.lti import poly
 
 _LAST_BIT = 2.3e-16
+_TWINS = 1e-9  # relative distance of points that look at the same place
 _ONE = 1e-12  # relative distance of crossings that rounding cannot tell apart
 _MOST = 200_000  # points on a dead time's turns; more turns than that are not a control loop
 _VALLEYS = 500  # the lowest that are followed; a delay of 10 000 samples makes that many
@@ -54,6 +55,7 @@ def _delay_grid(loop: Loop, v: Array) -> Array:
     if not loop.dead_time:
         return np.empty(0)
     if loop.dt is None:
+        v = np.concatenate([v, v[-1] * np.geomspace(1.1, 1e6, 150)])  # |L| may fall slowly
         top, bottom = (np.abs(part) for part in loop.parts(v))
         turn = 0.2 / loop.dead_time
         for quiet in (1e-3, 0.5):
@@ -146,7 +148,11 @@ def least(
     best_v, best = float(v[lowest]), float(y[lowest])
     for i in valleys.tolist():
         here = float(v[i])
-        side = i - 1 if slope(here) > 0 else i + 1
+        step = -1 if slope(here) > 0 else 1
+        side = i + step
+        # points a rounding apart make a dent that is no valley: the slope is asked beyond them
+        while 0 <= side < len(v) and abs(v[side] - here) <= _TWINS * here:
+            side += step
         if not 0 <= side < len(v):
             continue
         a, b = sorted((here, float(v[side])))
