@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from mpmath import mp
 
 from zoh.errors import SpecError
-from zoh.lti.systems import MAX_ORDER, Plant, Sampled
+from zoh.lti.given import MAX_ORDER
+from zoh.lti.systems import Plant, Sampled
 
 
 def value(a, x):

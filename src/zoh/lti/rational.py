@@ -10,7 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-MAX_ORDER = 50  # the largest order a Plant takes
+from zoh.lti.given import MAX_ORDER
+
 MAX_BITS = 8192  # of one coefficient: (s + a)^50 with 17 digits in a has 2900
 
 Coefficients = tuple[Fraction, ...]
