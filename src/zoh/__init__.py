@@ -7,19 +7,25 @@ A plant and a specification go in, a verified controller comes out::
     print(d.report())
 """
 
-from zoh.analysis.closed import EXCITATIONS
-from zoh.analysis.margins import margins
-from zoh.analysis.responses import Response, noise_gains, response, response_trace
-from zoh.analysis.results import Margins, StepInfo
-from zoh.analysis.step import Trace, step_info, trace
-from zoh.analysis.verify import Measured, Verified, measure, verify
-from zoh.certificate import LAWS
-from zoh.errors import Infeasible, NotMet, SpecError, ZohError
-from zoh.lti.systems import Plant, Sampled
-from zoh.pipeline import design, lag, lead, p, pd, pi, pid
-from zoh.sampling.convert import METHODS, discretise, undiscretise
-from zoh.sampling.hold import sample
-from zoh.spec import Crossover, Requirements
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+import zoh.design as _laws  # before the function of the same name below, which it would hide
+
+if TYPE_CHECKING:
+    from zoh.analysis.closed import EXCITATIONS
+    from zoh.analysis.margins import margins
+    from zoh.analysis.responses import Response, noise_gains, response, response_trace
+    from zoh.analysis.results import Margins, StepInfo
+    from zoh.analysis.step import Trace, step_info, trace
+    from zoh.analysis.verify import Measured, Verified, measure, verify
+    from zoh.certificate import LAWS
+    from zoh.errors import Infeasible, NotMet, SpecError, ZohError
+    from zoh.lti.systems import Plant, Sampled
+    from zoh.pipeline import design, lag, lead, p, pd, pi, pid
+    from zoh.sampling.convert import METHODS, discretise, undiscretise
+    from zoh.sampling.hold import sample
+    from zoh.spec import Crossover, Requirements
 
 __version__ = "0.1.0"
 
@@ -60,3 +66,38 @@ __all__ = [
     "undiscretise",
     "verify",
 ]
+
+# A name is loaded when it is first used: what a script does not need costs it nothing. The
+# imports above say the same to type checkers, and a test compares the two.
+_HOMES = {
+    "zoh.analysis.closed": ("EXCITATIONS",),
+    "zoh.analysis.margins": ("margins",),
+    "zoh.analysis.responses": ("Response", "noise_gains", "response", "response_trace"),
+    "zoh.analysis.results": ("Margins", "StepInfo"),
+    "zoh.analysis.step": ("Trace", "step_info", "trace"),
+    "zoh.analysis.verify": ("Measured", "Verified", "measure", "verify"),
+    "zoh.certificate": ("LAWS",),
+    "zoh.errors": ("Infeasible", "NotMet", "SpecError", "ZohError"),
+    "zoh.lti.systems": ("Plant", "Sampled"),
+    "zoh.pipeline": ("design", "lag", "lead", "p", "pd", "pi", "pid"),
+    "zoh.sampling.convert": ("METHODS", "discretise", "undiscretise"),
+    "zoh.sampling.hold": ("sample",),
+    "zoh.spec": ("Crossover", "Requirements"),
+}
+_ROOMS = ("analysis", "certificate", "checks", "errors", "lti", "pipeline", "sampling", "spec")
+_HOME = {name: home for home, names in _HOMES.items() for name in names}
+del globals()["design"], _laws  # the package stays importable; the name is the function's
+
+
+def __getattr__(name: str) -> object:
+    if name in _ROOMS:
+        return import_module(f"zoh.{name}")
+    if name not in _HOME:
+        raise AttributeError(f"zoh has no {name!r}; it has {', '.join(__all__)}")
+    value = getattr(import_module(_HOME[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, "__version__"])

@@ -97,3 +97,19 @@ def test_unstable_and_unknown_are_refused():
         zoh.response(ARM, LEAD, by="sine")
     with pytest.raises(zoh.SpecError, match="must make the closed loop stable"):
         zoh.noise_gains(ARM, zoh.Sampled(num=[1e6], den=[1], dt=0.1))
+
+
+def test_a_deadbeat_is_still_at_the_samples_and_rings_between_them():
+    # one-step deadbeat: D = (z - exp(-a dt))/(b (z + 0.974)) leaves 90 deg at every sample, while
+    # the zero it cancels rings on between them: 68.5 deg from peak to peak after a second, at
+    # 12 kV (an independent simulation of the same loop; 0.1 deg is its last digit)
+    sampled = zoh.sample(ARM, 0.1)
+    deadbeat = zoh.Sampled(num=[1, -sampled.den[2]], den=sampled.num, dt=0.1)
+    curve = zoh.trace(ARM, deadbeat, reference=90.0, t_end=10.0)
+    assert curve.y[1:] == pytest.approx(90.0, abs=1e-9)
+    assert np.ptp(curve.y_between[curve.t_between >= 1.0]) == pytest.approx(68.5, abs=0.1)
+    volts = np.abs(curve.u[curve.t >= 1.0 - 1e-9]).max() * ARM.sensor
+    assert volts == pytest.approx(12e3, rel=0.01)  # 1 %: the source says 12 kV
+    found = zoh.verify(ARM, deadbeat, requirements=zoh.Requirements(), reference=90.0).step
+    assert found.overshoot_pct == 0.0
+    assert found.between_samples.overshoot_pct > 48
