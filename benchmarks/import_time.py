@@ -1,7 +1,8 @@
 """What ``import zoh`` costs beside ``import numpy``, and what it must not import.
 
 Names are loaded when first used, so both are measured: the import alone and all names. Fresh
-interpreters take turns, so that a busy machine slows all; the figure is the ratio of the medians. ``--limit R`` exits with 1 where the ratio is above R.
+interpreters take turns, so that a busy machine slows all; the figure is the ratio of the medians.
+``--limit R`` exits with 1 where the ratio of the import is above R.
 """
 
 import argparse
