@@ -47,4 +47,4 @@ def test_the_design_function_is_never_hidden_by_the_package(code):
 
 def test_an_unknown_name_says_what_there_is():
     with pytest.raises(AttributeError, match=r"zoh has no 'margin'; it has .*margins"):
-        zoh.margin  # noqa: B018 - asking is the test
+        _ = zoh.margin

@@ -17,13 +17,10 @@ import sys
 from fractions import Fraction
 from pathlib import Path
 
+import truth_hold as hold  # beside this script, whose folder Python looks in first
 from mpmath import mp, mpf
 
 HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE))
-
-import truth_hold as hold  # noqa: E402  (the directory is no package)
-
 DIGITS = 30  # written down; agreed to 48
 DTS = (1.0, 0.1, 1e-3, 1e-6)
 PREWARP = 0.7  # of the Nyquist frequency
