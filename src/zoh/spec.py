@@ -50,7 +50,7 @@ class Requirements:
     overshoot_pct   %, largest overshoot allowed, between the samples too
     rise_time       s, largest 10 to 90 % rise time allowed, at the samples
     settling_time   s, largest 2 % settling time allowed, at the samples
-    steady_state_error  largest size of the error at rest allowed, in output units
+    steady_state_error  largest size of the error at rest allowed, in the reference's units
     peak_effort     largest |u| allowed, in input units
     """
 

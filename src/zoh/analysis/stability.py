@@ -78,7 +78,8 @@ def _none_encircled(loop: Loop) -> bool:
     f/(jv + r)^n has its poles on the left and goes to a constant, so from v = 0 to infinity its
     argument changes by -pi times the number of zeros on the right. The path is refined until no
     step turns by more than 0.5 rad and no step is long against the delay.
-    Source: A. M. Krall / Mikhailov's criterion for retarded quasi-polynomials.
+    Source: Mikhailov's criterion, the argument principle on the imaginary axis; for polynomials
+    with exponentials R. Bellman and K. L. Cooke, Differential-Difference Equations, ch. 13.
     """
     n = len(loop.den) - 1
     if loop.dt is None and abs(loop.num[0]) >= abs(loop.den[0]):

@@ -1,8 +1,9 @@
 """The response to a reference step, its metrics at the samples and exactly between them.
 
 Between samples the output is a sum of exponentials that is known in closed form, so its
-extremes are roots of its derivative and its crossing times roots of itself: no grid decides a
-peak. A time is the true instant, a peak the true extreme.
+extremes are roots of its derivative and its crossing times roots of itself. A grid of half a
+radian of the plant's fastest mode says where to look; a time is the true instant, a peak the true
+extreme.
 """
 
 from dataclasses import dataclass, replace
