@@ -3,30 +3,36 @@
 Gain crossings are sign changes of |num|^2 - |den|^2, phase crossings those of
 Im(num conj den) where the real part is negative; on the axis both are polynomials in
 q = v^2, v = (2/dt) tan(w dt/2) for a sampled loop and v = w for a continuous one.
+
+A sparse look comes first. Where exact arithmetic proves that it has missed nothing, that is
+all; elsewhere a look from close by follows, and its proof.
 Source: K. J. Astrom and R. M. Murray, Feedback Systems, 2nd ed., sec. 10.3 and 13.2 (margins,
 sensitivity peaks); P. Seiler, A. Packard, P. Gahinet, An Introduction to Disk Margins, IEEE
 Control Systems 40(5), 2020, eq. (5) with sigma = 0.
 """
 
 from cmath import phase
-from dataclasses import dataclass
-from math import comb, degrees, inf, isnan, log, radians, tau
+from math import degrees, inf, isnan, log, radians, tau
 
 import numpy as np
 
-from zoh.analysis.crossings import landmarks, least, sign_changes, suspects
-from zoh.analysis.loop import Array, ComplexArray, Loop, scalar
+from zoh.analysis.crossings import least, sign_changes
+from zoh.analysis.look import Look, close, sparse
+from zoh.analysis.loop import Loop, scalar
+from zoh.analysis.proof import Drops, Peak, proved
 from zoh.analysis.results import Margins
+from zoh.analysis.squares import ON_DEN, ON_NUM, ON_OPPOSITE, Below, Squares
 from zoh.analysis.stability import closed_loop_stable
 from zoh.errors import SpecError
 from zoh.lti import poly
-from zoh.lti.poly import Poly
 from zoh.lti.systems import Plant, Sampled
 
-_EXPANDED = 12  # samples of delay multiplied into a polynomial to find its roots
+DROP = 10 ** (-3 / 20)  # 3 dB below the gain at w = 0: where the bandwidth ends
 _TOUCHES = 4e-15  # |L| this near to 1 at an end of the axis is 1: a few roundings, and
 _AT_A_ROOT = 1e-13  # of its terms: what num conj den is, in floats, at a root of num or den
 _BLUR = 1e-6  # the crossing they make up this near to it (|L| is flat there) is none
+
+Crossings = list[tuple[float, float]]
 
 
 def margins(loop: Plant | Sampled) -> Margins:
@@ -46,7 +52,12 @@ def margins(loop: Plant | Sampled) -> Margins:
 def measure_loop(loop: Loop) -> Margins:
     """Return the margins of a loop on its frequency axis; raise SpecError beyond floats."""
     with np.errstate(all="ignore"):  # what overflows is looked for below
-        found = _measured(loop)
+        squares = Squares.of(loop)
+        stable = closed_loop_stable(loop)
+        look = sparse(squares)
+        found = _measured(loop, squares, look, stable) if look else None
+        if found is None or not found.certificate.holds:
+            found = _measured(loop, squares, close(loop, squares), stable)
     numbers = [found.gain_margin, found.phase_margin_deg, found.modulus_margin, found.mt]
     if any(isnan(x) for x in [*numbers, found.disk_margin]):
         raise SpecError(
@@ -58,60 +69,143 @@ def measure_loop(loop: Loop) -> Margins:
     return found
 
 
-def _measured(loop: Loop) -> Margins:
-    seen = _Seen.of(loop)
-    by_phase = _phase_crossings(seen)
-    by_gain = _gain_crossings(seen, by_phase)
+def _measured(loop: Loop, squares: Squares, look: Look, stable: bool) -> Margins:
+    """Return everything that a look at the loop shows, with the proof that it is everything."""
+    turns = sign_changes(look.turning, look.v, look.turn)
+    by_phase = _phase_crossings(loop, squares, look, turns)
+    unities = sign_changes(lambda v: _excess(loop, v), look.v, look.gain)
+    by_gain = _gain_crossings(loop, squares, unities, by_phase)
+    peaks = [_least(loop, squares, look, below) for below in (ON_DEN, ON_NUM, ON_OPPOSITE)]
+    bandwidth, drops = _bandwidth(loop, look)
+    certificate = proved(loop, squares, unities, turns, peaks, drops)
     nearest_gain = min(by_phase, key=lambda c: abs(log(c[1])), default=(None, inf))
     nearest_phase = min(by_gain, key=lambda c: abs(c[1]), default=(None, inf))
-    modulus = _least_ratio(seen, 0.0, 1.0)
-    complementary = _least_ratio(seen, 1.0, 0.0)
-    disk = _least_ratio(seen, -1.0, 1.0)
+    modulus, complementary, disk = peaks
     return Margins(
-        stable=closed_loop_stable(loop),
+        stable=stable,
         gain_margin=nearest_gain[1],
         phase_crossover=nearest_gain[0],
         phase_margin_deg=nearest_phase[1],
         crossover=nearest_phase[0],
         delay_margin=_delay_margin(loop, by_gain),
-        modulus_margin=modulus[1],
-        ms_frequency=loop.frequency(modulus[0]),
-        mt=1 / complementary[1] if complementary[1] else inf,
-        mt_frequency=loop.frequency(complementary[0]),
-        disk_margin=2 * disk[1],
+        modulus_margin=modulus.least,
+        ms_frequency=loop.frequency(modulus.v),
+        mt=1 / complementary.least if complementary.least else inf,
+        mt_frequency=loop.frequency(complementary.v),
+        disk_margin=2 * disk.least,
+        disk_frequency=loop.frequency(disk.v),
+        bandwidth=bandwidth,
         gain_crossings=tuple(by_gain),
         phase_crossings=tuple(by_phase),
+        certificate=certificate,
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Seen:
-    """A loop looked at wherever something may happen.
+def _excess(loop: Loop, v: float) -> float:
+    """Return |num| - |den| at v."""
+    return abs(scalar(loop.num, v)) - abs(scalar(loop.den, v))
 
-    v            frequencies, ascending: the landmarks and near every root below
-    top, bottom  num and den there
-    square       |num|^2 - |den|^2 as a polynomial in q = v^2
-    turn         Im(num conj den)/v in q; short delays are in it, long ones are not
+
+def _gain_crossings(
+    loop: Loop, squares: Squares, unities: list[float], by_phase: Crossings
+) -> Crossings:
+    """Return (frequency, phase margin in deg) wherever |L| passes through 1."""
+    if not any(squares.gain):  # |L| is 1 everywhere: what counts is where L is -1
+        return [(w, 0.0) for w, _ in by_phase]
+    crossings = [(loop.frequency(v), _margin_deg(*loop.point(v))) for v in unities]
+    for v, top, bottom in loop.ends():
+        if not bottom or abs(abs(top / bottom) - 1) > _TOUCHES:
+            continue
+        w = loop.frequency(v)
+        crossings = [c for c in crossings if abs(c[0] - w) > _BLUR * _scale(loop)]
+        if top / bottom < 0:
+            crossings.append((w, 0.0))
+    return sorted(crossings)
+
+
+def _phase_crossings(loop: Loop, squares: Squares, look: Look, turns: list[float]) -> Crossings:
+    """Return (frequency, factor on L that closes onto -1) wherever L is negative real."""
+    if not loop.dead_time and not any(squares.turn):
+        return _always_real(loop, squares, look)
+    crossings = []
+    for v in turns:
+        top, bottom = loop.point(v)
+        product = (top * bottom.conjugate()).real
+        if product < -_AT_A_ROOT * _bulk(loop, v):
+            crossings.append((loop.frequency(v), -_square(bottom) / product))
+    every = crossings + _at_the_ends(loop)
+    return sorted((w, factor) for w, factor in every if 0 < factor < inf)  # what a float holds
+
+
+def _at_the_ends(loop: Loop) -> Crossings:
+    """Return the phase crossings at w = 0 and at the Nyquist frequency."""
+    return [
+        (loop.frequency(v), -bottom / top) for v, top, bottom in loop.ends() if top * bottom < 0
+    ]
+
+
+def _always_real(loop: Loop, squares: Squares, look: Look) -> Crossings:
+    """Return the phase crossings of a loop that is real at every frequency.
+
+    Any gain inside its range then makes it marginal somewhere: where |L| is 1 the factor is 1.
     """
-
-    loop: Loop
-    v: Array
-    top: ComplexArray
-    bottom: ComplexArray
-    square: Poly
-    turn: Poly
-
-    @classmethod
-    def of(cls, loop: Loop) -> "_Seen":
-        square = poly.plus(poly.size_squared(loop.num), poly.size_squared(loop.den), -1.0)
-        turn = _turning(loop)
-        v = np.unique(np.concatenate([landmarks(loop), suspects(square), suspects(turn)]))
-        v = v[np.isfinite(v) & (v > 0)]
-        top, bottom = loop.parts(v)
-        return cls(loop=loop, v=v, top=top, bottom=bottom, square=square, turn=turn)
+    unities = sign_changes(lambda v: _excess(loop, v), look.v, look.gain)
+    found = [
+        (w, 1.0)
+        for w, pm in _gain_crossings(loop, squares, unities, [])
+        if abs(pm) < 1e-9  # deg: at -1, not at +1
+    ]
+    return sorted({*found, *_at_the_ends(loop)})
 
 
-def _delay_margin(loop: Loop, by_gain: list[tuple[float, float]]) -> float:
+def _least(loop: Loop, squares: Squares, look: Look, below: Below) -> Peak:
+    """Return where |den + num|/|below| is least, both ends included."""
+    on_bottom, on_top = below
+
+    def slope(v: float) -> float:
+        top, bottom, dtop, dbottom = loop.slopes(v)
+        above, under = bottom + top, on_bottom * bottom + on_top * top
+        if above == 0 or under == 0:
+            return 0.0
+        dunder = on_bottom * dbottom + on_top * dtop
+        return ((dbottom + dtop) / above).real - (dunder / under).real
+
+    def ratio(v: float) -> float:
+        return squares.ratio(v, below) if squares.whole else _ratio(*loop.point(v), below)
+
+    best = least(ratio, slope, look.v, look.ratio(below))
+    for v, top, bottom in loop.ends():
+        end = _ratio(complex(top), complex(bottom), below)
+        # where the least is at an end, the grid's outermost point says the same but for rounding
+        if end <= best[1] * (1 + 1e-14):
+            best = v, end
+    return Peak(v=best[0], least=best[1], below=below)
+
+
+def _ratio(top: complex, bottom: complex, below: Below) -> float:
+    under = abs(below[0] * bottom + below[1] * top)
+    return abs(bottom + top) / under if under else inf
+
+
+def _bandwidth(loop: Loop, look: Look) -> tuple[float | None, Drops]:
+    """Return the frequency at which |T| is first 3 dB below its value at w = 0, None if nowhere.
+
+    Also the level and how often |T| passes it. 3 dB is a factor of 10^(-3/20).
+    """
+    _, top, bottom = loop.ends()[0]
+    if top == 0 or top + bottom == 0:
+        return None, Drops(level=0.0, found=0)
+    level = DROP * abs(top / (top + bottom))
+
+    def above(v: float) -> float:
+        num, den = loop.point(v)
+        return abs(num) - level * abs(den + num)
+
+    found = sign_changes(above, look.v, np.sign(look.top - level * look.closed))
+    return (loop.frequency(found[0]) if found else None), Drops(level=level, found=len(found))
+
+
+def _delay_margin(loop: Loop, by_gain: Crossings) -> float:
     """Return the least delay in s that turns a crossing onto -1.
 
     A continuous loop whose gain stays above 1 at the highest frequencies bears none at all.
@@ -124,118 +218,6 @@ def _delay_margin(loop: Loop, by_gain: list[tuple[float, float]]) -> float:
 def _delay(w: float, pm_deg: float) -> float:
     """Return the delay in s that turns the loop at w rad/s onto -1."""
     return radians(pm_deg) % tau / w
-
-
-def _gain_crossings(seen: _Seen, by_phase: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Return (frequency, phase margin in deg) wherever |L| passes through 1."""
-    loop = seen.loop
-    if not any(seen.square):  # |L| is 1 everywhere: what counts is where L is -1
-        return [(w, 0.0) for w, _ in by_phase]
-
-    def excess(v: float) -> float:
-        return abs(scalar(loop.num, v)) - abs(scalar(loop.den, v))
-
-    signs = np.sign(np.abs(seen.top) - np.abs(seen.bottom))
-    found = sign_changes(excess, seen.v, signs)
-    crossings = [(loop.frequency(v), _margin_deg(*loop.point(v))) for v in found]
-    for v, top, bottom in loop.ends():
-        if not bottom or abs(abs(top / bottom) - 1) > _TOUCHES:
-            continue
-        w = loop.frequency(v)
-        crossings = [c for c in crossings if abs(c[0] - w) > _BLUR * _scale(loop)]
-        if top / bottom < 0:
-            crossings.append((w, 0.0))
-    return sorted(crossings)
-
-
-def _phase_crossings(seen: _Seen) -> list[tuple[float, float]]:
-    """Return (frequency, factor on L that closes onto -1) wherever L is negative real."""
-    loop = seen.loop
-    if not loop.dead_time and not any(seen.turn):
-        return _always_real(seen)
-
-    def side(v: float) -> float:
-        top, bottom = loop.point(v)
-        return (top * bottom.conjugate()).imag
-
-    def side_by_polynomial(v: float) -> float:
-        return float(poly.homogeneous(seen.turn, v * v / (1 + v * v), 1 / (1 + v * v)))
-
-    if loop.dead_time:
-        values, exactly = (seen.top * np.conj(seen.bottom)).imag, side
-    else:  # far from all corners the phase nears a multiple of 90 deg, and only this sign holds
-        square = seen.v**2
-        values = poly.homogeneous(seen.turn, square / (1 + square), 1 / (1 + square))
-        exactly = side_by_polynomial
-    crossings = []
-    for v in sign_changes(exactly, seen.v, np.sign(values)):
-        top, bottom = loop.point(v)
-        product = (top * bottom.conjugate()).real
-        if product < -_AT_A_ROOT * _bulk(loop, v):
-            crossings.append((loop.frequency(v), -_square(bottom) / product))
-    every = crossings + _at_the_ends(loop)
-    return sorted((w, factor) for w, factor in every if 0 < factor < inf)  # what a float holds
-
-
-def _at_the_ends(loop: Loop) -> list[tuple[float, float]]:
-    """Return the phase crossings at w = 0 and at the Nyquist frequency."""
-    return [
-        (loop.frequency(v), -bottom / top) for v, top, bottom in loop.ends() if top * bottom < 0
-    ]
-
-
-def _always_real(seen: _Seen) -> list[tuple[float, float]]:
-    """Return the phase crossings of a loop that is real at every frequency.
-
-    Any gain inside its range then makes it marginal somewhere: where |L| is 1 the factor is 1.
-    """
-    found = [
-        (w, 1.0)
-        for w, pm in _gain_crossings(seen, [])
-        if abs(pm) < 1e-9  # deg: at -1, not at +1
-    ]
-    return sorted({*found, *_at_the_ends(seen.loop)})
-
-
-def _turning(loop: Loop) -> Poly:
-    """Return the polynomial in q = v^2 that is Im(num conj den)/v, short delays multiplied in."""
-    num, den = loop.num, loop.den
-    if loop.dead_time and loop.dt is not None:
-        m = min(round(loop.dead_time / loop.dt), _EXPANDED)
-        grow = [comb(m, k) * (loop.dt / 2) ** (m - k) for k in range(m + 1)]
-        fall = [c if (m - k) % 2 == 0 else -c for k, c in enumerate(grow)]
-        num, den = poly.times(num, fall), poly.times(den, grow)
-    num_even, num_odd = poly.even_odd(num)
-    den_even, den_odd = poly.even_odd(den)
-    return poly.trim(poly.plus(poly.times(num_odd, den_even), poly.times(num_even, den_odd), -1.0))
-
-
-def _least_ratio(seen: _Seen, on_top: float, on_bottom: float) -> tuple[float, float]:
-    """Return (v, min |den + num|/|on_bottom den + on_top num|), both ends included."""
-    loop = seen.loop
-
-    def ratio(v: float) -> float:
-        top, bottom = loop.point(v)
-        below = abs(on_bottom * bottom + on_top * top)
-        return abs(bottom + top) / below if below else inf
-
-    def slope(v: float) -> float:
-        top, bottom, dtop, dbottom = loop.slopes(v)
-        above, below = bottom + top, on_bottom * bottom + on_top * top
-        if above == 0 or below == 0:
-            return 0.0
-        dbelow = on_bottom * dbottom + on_top * dtop
-        return ((dbottom + dtop) / above).real - (dbelow / below).real
-
-    with np.errstate(divide="ignore", invalid="ignore"):
-        above, below = seen.bottom + seen.top, on_bottom * seen.bottom + on_top * seen.top
-        best = least(ratio, slope, seen.v, np.abs(above) / np.abs(below))
-    for v, top, bottom in loop.ends():
-        end = abs(on_bottom * bottom + on_top * top)
-        # where the least is at an end, the grid's outermost point says the same but for rounding
-        if end and abs(bottom + top) / end <= best[1] * (1 + 1e-14):
-            best = v, abs(bottom + top) / end
-    return best
 
 
 def _square(x: complex) -> float:

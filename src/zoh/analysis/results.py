@@ -7,6 +7,50 @@ from typing import Any
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Proof:
+    """Why one figure misses nothing.
+
+    holds   whether it is proved
+    method  "Descartes" or "Sturm" (exact counts of a polynomial's roots), "discs" (bounds
+            between the points of a grid), "bound" (nothing to prove), or "none"
+    detail  what was counted or bounded
+    """
+
+    holds: bool
+    method: str
+    detail: str
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON form."""
+        return {"holds": self.holds, "method": self.method, "detail": self.detail}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Certificate:
+    """Proofs that no crossing was missed and no peak is higher; one for each kind of figure."""
+
+    gain_crossings: Proof
+    phase_crossings: Proof
+    modulus_margin: Proof
+    mt: Proof
+    disk_margin: Proof
+    bandwidth: Proof
+
+    @property
+    def holds(self) -> bool:
+        """Return whether all of it is proved."""
+        return not self.open()
+
+    def open(self) -> list[str]:
+        """Return the names of the figures that are not proved."""
+        return [name for name in self.__slots__ if not getattr(self, name).holds]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON form."""
+        return {"holds": self.holds} | {n: getattr(self, n).to_dict() for n in self.__slots__}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Margins:
     """The margins of a loop L in unity negative feedback.
 
@@ -21,11 +65,15 @@ class Margins:
                       gain stays above 1 at the highest frequencies
     modulus_margin    min |1 + L|, at ms_frequency rad/s
     mt                max |L/(1 + L)|, at mt_frequency rad/s
-    disk_margin       balanced (sigma = 0): min 2 |1 + L|/|1 - L|
+    disk_margin       balanced (sigma = 0): min 2 |1 + L|/|1 - L|, at disk_frequency rad/s
+    bandwidth         rad/s, where |T| is first 3 dB (a factor of 10^(-3/20)) below its value at
+                      w = 0; None where it never is, or T is 0 there
     gain_crossings    every (frequency in rad/s, phase margin in deg)
     phase_crossings   every (frequency, gain factor); w = 0 and Nyquist's count where L is
                       negative real there. A continuous dead time turns the loop for ever:
                       listed are those with a factor up to 1000 and a few more
+    certificate       why no crossing was missed and no peak is higher; None for a table
+    warnings          what the figures rest on or where they end, one sentence each
     """
 
     stable: bool
@@ -39,8 +87,12 @@ class Margins:
     mt: float
     mt_frequency: float
     disk_margin: float
+    disk_frequency: float
+    bandwidth: float | None
     gain_crossings: tuple[tuple[float, float], ...]
     phase_crossings: tuple[tuple[float, float], ...]
+    certificate: Certificate | None = None
+    warnings: tuple[str, ...] = ()
 
     @property
     def gain_margin_db(self) -> float:
@@ -68,8 +120,12 @@ class Margins:
             "mt": jsonable(self.mt),
             "mt_frequency": jsonable(self.mt_frequency),
             "disk_margin": jsonable(self.disk_margin),
+            "disk_frequency": jsonable(self.disk_frequency),
+            "bandwidth": jsonable(self.bandwidth),
             "gain_crossings": [[jsonable(x) for x in c] for c in self.gain_crossings],
             "phase_crossings": [[jsonable(x) for x in c] for c in self.phase_crossings],
+            "certificate": None if self.certificate is None else self.certificate.to_dict(),
+            "warnings": list(self.warnings),
         }
 
 

@@ -1,18 +1,17 @@
 """Is the closed loop stable? Decided by its poles, never by its margins.
 
-Without delay the closed loop is a polynomial, and Routh's scheme in fifty digits counts the
-poles on the right. Whole samples of delay are multiplied in. A continuous dead time, or a very
-long one, leaves no polynomial: there the argument principle counts.
+Without delay the closed loop is a polynomial, and Routh's scheme in whole numbers decides.
+Whole samples of delay are multiplied in. A continuous dead time, or a very long one, leaves no
+polynomial: there the argument principle counts.
 """
 
 from collections.abc import Sequence
-from decimal import Decimal
 from math import comb, pi
 
 import numpy as np
 
 from zoh.analysis.loop import Loop
-from zoh.lti import digits, poly
+from zoh.lti import poly, whole
 
 LONGEST = 60  # samples of delay that are multiplied in
 
@@ -24,52 +23,30 @@ def closed_loop_stable(loop: Loop) -> bool:
     that is unstable makes the loop unstable.
     """
     if not loop.dead_time:
-        with digits.precision(digits.KEPT):
-            closed = [Decimal(d) + Decimal(n) for d, n in zip(loop.den, loop.num, strict=True)]
-        return hurwitz(closed)
-    if loop.dt is not None and round(loop.dead_time / loop.dt) <= LONGEST:
-        return hurwitz(_with_delay(loop, round(loop.dead_time / loop.dt)))
+        num, den = whole.of(loop.num, loop.den)
+        return whole.hurwitz(whole.plus(den, num))
+    if loop.dt is not None:
+        m = round(loop.dead_time / loop.dt)
+        if m <= LONGEST:
+            return whole.hurwitz(_with_delay(loop, loop.dt, m))
     return _none_encircled(loop)
 
 
-def hurwitz(a: list[Decimal]) -> bool:
-    """Return whether every root has a negative real part; a missing leading power says no.
-
-    In w a leading zero is a root at infinity, z = -1, on the boundary.
-    Source: F. R. Gantmacher, The Theory of Matrices, vol. 2, ch. XV (Routh's scheme).
-
-    >>> hurwitz([Decimal(c) for c in (1, 2, 3)]), hurwitz([Decimal(c) for c in (1, 0, 3)])
-    (True, False)
-    """
-    if len(a) == 1:
-        return a[0] != 0
-    if a[0] == 0 or a[-1] == 0:
-        return False
-    with digits.precision(50 + 4 * len(a)):
-        sign = 1 if a[0] > 0 else -1
-        upper, lower = [sign * c for c in a[0::2]], [sign * c for c in a[1::2]]
-        while lower:
-            if lower[0] <= 0:
-                return False
-            ratio = upper[0] / lower[0]
-            padded = [*lower[1:], *[Decimal(0)] * (len(upper) - len(lower))]
-            upper, lower = lower, [u - ratio * c for u, c in zip(upper[1:], padded, strict=True)]
-    return True
-
-
 def hurwitz_floats(a: Sequence[float]) -> bool:
-    """Return ``hurwitz`` of float coefficients, taken exactly."""
-    return hurwitz([Decimal(c) for c in a])
+    """Return whether every root of a, its coefficients taken exactly, has a negative real part."""
+    return whole.hurwitz(whole.of(a)[0])
 
 
-def _with_delay(loop: Loop, m: int) -> list[Decimal]:
-    """Return den (1+p)^m + num (1-p)^m in w, p = w dt/2."""
-    with digits.precision(200):
-        half = Decimal(loop.dt or 0) / 2
-        grow = [Decimal(comb(m, k)) * half ** (m - k) for k in range(m + 1)]
-        fall = [c if (m - k) % 2 == 0 else -c for k, c in enumerate(grow)]
-        den = digits.times([Decimal(c) for c in loop.den], grow)
-        return list(digits.plus(den, digits.times([Decimal(c) for c in loop.num], fall)))
+def _with_delay(loop: Loop, dt: float, m: int) -> list[int]:
+    """Return den (1+p)^m + num (1-p)^m in p = w dt/2, times a positive number."""
+    num, den = whole.of(loop.num, loop.den)
+    top, bottom = (dt / 2).as_integer_ratio()
+    n = len(den) - 1
+    unit = [bottom ** (n - i) * top**i for i in range(n + 1)]  # w^(n-i) = (p bottom/top)^(n-i)
+    grow = [comb(m, k) for k in range(m + 1)]
+    fall = [c if (m - k) % 2 == 0 else -c for k, c in enumerate(grow)]
+    den = whole.times([c * s for c, s in zip(den, unit, strict=True)], grow)
+    return whole.plus(den, whole.times([c * s for c, s in zip(num, unit, strict=True)], fall))
 
 
 def _none_encircled(loop: Loop) -> bool:

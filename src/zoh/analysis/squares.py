@@ -1,0 +1,143 @@
+"""A loop on its frequency axis as real polynomials in q = v^2, exact.
+
+With N = num(jv), D = den(jv) and whole samples of delay multiplied into both, everything that
+is measured is a sign or a ratio of polynomials in q::
+
+    |D|^2,    |N|^2,    |D +- N|^2 = |D|^2 + |N|^2 +- 2 Re(N conj D),    T = Im(N conj D)/v
+
+    |L| = 1 where |N|^2 = |D|^2,    L is real where T = 0
+
+Their coefficients are whole numbers, the floats of the loop taken exactly; floats of them are
+rounded once.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import ceil, floor, inf, sqrt
+
+import numpy as np
+
+from zoh.analysis.loop import Array, Loop
+from zoh.lti import whole
+from zoh.lti.whole import Whole
+
+SHORT = 12  # samples of delay that are multiplied in: more of them cost more than a grid does
+
+Below = tuple[float, float]  # what |D + N| is measured against: |b D + a N| as (b, a)
+ON_DEN: Below = (1.0, 0.0)
+ON_NUM: Below = (0.0, 1.0)
+ON_OPPOSITE: Below = (1.0, -1.0)
+
+_BEYOND = 7  # octaves in q that are looked at beyond the first and the last corner
+_PER_OCTAVE = 2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Squares:
+    """The polynomials of a loop in q = v^2, all of them times one power of two.
+
+    bottom, top, closed, opposite  |D|^2, |N|^2, |D + N|^2 and |D - N|^2
+    gain   |N|^2 - |D|^2, above 0 where |L| > 1
+    turn   T, with the sign of Im L
+    whole  whether a delay, if there is one, is in them; else only gain, bottom and top hold
+    """
+
+    bottom: Whole
+    top: Whole
+    closed: Whole
+    opposite: Whole
+    gain: Whole
+    turn: Whole
+    whole: bool
+
+    @classmethod
+    def of(cls, loop: Loop) -> "Squares":
+        """Return the polynomials of a loop, the delay multiplied in where it is ``SHORT``."""
+        num, den = whole.of(loop.num, loop.den)
+        m = 0
+        if loop.dead_time and loop.dt is not None:
+            m = round(loop.dead_time / loop.dt)
+            if m <= SHORT:
+                half, one = (a[0] for a in whole.of((loop.dt / 2,), (1.0,)))
+                num = whole.times(num, whole.power((-half, one), m))
+                den = whole.times(den, whole.power((half, one), m))
+        num_even, num_odd = whole.on_axis(num)
+        den_even, den_odd = whole.on_axis(den)
+        bottom = _joined(whole.times(den_even, den_even), whole.times(den_odd, den_odd))
+        top = _joined(whole.times(num_even, num_even), whole.times(num_odd, num_odd))
+        cross = _joined(whole.times(num_even, den_even), whole.times(num_odd, den_odd))
+        both = whole.plus(bottom, top)
+        return cls(
+            bottom=bottom,
+            top=top,
+            closed=whole.plus(both, cross, 2),
+            opposite=whole.plus(both, cross, -2),
+            gain=whole.plus(top, bottom, -1),
+            turn=whole.plus(whole.times(num_odd, den_even), whole.times(num_even, den_odd), -1),
+            whole=not loop.dead_time or 0 < m <= SHORT,
+        )
+
+    def below(self, which: Below) -> Whole:
+        """Return |D|^2, |N|^2 or |D - N|^2."""
+        if which == ON_DEN:
+            return self.bottom
+        return self.top if which == ON_NUM else self.opposite
+
+    def ratio(self, v: float, which: Below) -> float:
+        """Return |D + N| over |D|, |N| or |D - N| at v, of the exact values there."""
+        above, under = (whole.at(a, v * v) for a in (self.closed, self.below(which)))
+        return sqrt(above / under) if under else inf
+
+
+def _joined(even: Whole, odd: Whole) -> Whole:
+    """Return even + q odd."""
+    return whole.plus(even, [*odd, 0])
+
+
+def corners(*polynomials: Whole) -> list[float]:
+    """Return log2 of about where the roots of the polynomials lie, by Newton's polygon.
+
+    >>> corners((1, 0, 4))  # |roots| = 2
+    [1.0]
+    """
+    found = []
+    for a in polynomials:
+        hull: list[tuple[int, int]] = []
+        for i, c in enumerate(a):
+            if c:
+                y = c.bit_length()
+                while len(hull) > 1 and _dented(hull[-2], hull[-1], i, y):
+                    hull.pop()
+                hull.append((i, y))
+        found += [(y - x) / (j - i) for (i, x), (j, y) in pairwise(hull)]
+    return found
+
+
+def _dented(left: tuple[int, int], middle: tuple[int, int], i: int, y: int) -> bool:
+    """Return whether the middle point lies on or below the line between its neighbours."""
+    return (middle[1] - left[1]) * (i - left[0]) <= (y - left[1]) * (middle[0] - left[0])
+
+
+def on_grid(polynomials: Sequence[Whole]) -> tuple[Array, Array]:
+    """Return (v, values): the polynomials, one row each, on frequencies around all their corners.
+
+    v in rad/s of the w-plane, ascending; values times one power of two.
+    """
+    found = corners(*polynomials)
+    low, high = floor(min(found, default=0.0)), ceil(max(found, default=0.0))
+    middle = (low + high) // 2
+    count = (high - low + 2 * _BEYOND) * _PER_OCTAVE + 1
+    octaves = np.linspace(low - _BEYOND, high + _BEYOND, count)
+    longest = max(map(len, polynomials))
+    powers = np.empty((longest, count))
+    powers[-1] = 1.0
+    if longest > 1:
+        powers[-2] = np.exp2(octaves - middle)
+    for i in range(longest - 3, -1, -1):
+        np.multiply(powers[i + 1], powers[-2], out=powers[i])
+    largest = max(whole.size(a, middle) for a in polynomials)
+    rows = [
+        [0.0] * (longest - len(a)) + whole.floats(a, middle, largest) for a in polynomials
+    ]
+    return np.exp2(octaves / 2), np.array(rows) @ powers
