@@ -9,7 +9,7 @@ every turn of a delay.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from math import pi
+from math import inf, pi
 
 import numpy as np
 
@@ -31,7 +31,9 @@ class Look:
 
     bottom, top, closed, opposite  |D|, |N|, |D + N| and |D - N| there, up to a common factor
     gain     the sign of |L| - 1
-    turn     the sign of Im L; turning is a function of v with that sign
+    turn     the sign of Im L; turning is a function of v with that sign. Beyond ``reach``, where
+             a continuous dead time turns what is left of the loop for ever, it is 0
+    drop     the sign of |T| less the level at which the bandwidth ends
     """
 
     v: Array
@@ -41,7 +43,9 @@ class Look:
     opposite: Array
     gain: Array
     turn: Array
+    drop: Array
     turning: Callable[[float], float]
+    reach: float = inf
 
     def ratio(self, below: Below) -> Array:
         """Return |D + N| over |D|, |N| or |D - N|."""
@@ -55,33 +59,39 @@ def sparse(squares: Squares) -> Look | None:
     if not squares.whole:
         return None
     s = squares
-    v, values = on_grid((s.bottom, s.top, s.closed, s.opposite, s.gain, s.turn))
+    v, values = on_grid((s.bottom, s.top, s.closed, s.opposite, s.gain, s.turn, s.drop))
     if not np.isfinite(values).all():
         return None
     bottom, top, closed, opposite = np.sqrt(np.maximum(values[:4], 0.0))
-    gain, turn = np.sign(values[4:])
+    gain, turn, drop = np.sign(values[4:])
     return Look(
         v=v, bottom=bottom, top=top, closed=closed, opposite=opposite, gain=gain, turn=turn,
-        turning=_by_polynomial(s.turn),
+        drop=drop, turning=_by_polynomial(s.turn),
     )  # fmt: skip
 
 
 def close(loop: Loop, squares: Squares) -> Look:
     """Return the close look."""
-    roots = [_suspects(a) for a in (squares.gain, squares.turn)]
-    v = np.unique(np.concatenate([_landmarks(loop), *roots]))
+    roots = [_suspects(a) for a in (squares.gain, squares.turn, squares.drop)]
+    marks = _landmarks(loop)
+    turns = _delay_grid(loop, marks)
+    v = np.unique(np.concatenate([marks, turns, *roots]))
     v = v[np.isfinite(v) & (v > 0)]
     top, bottom = loop.parts(v)
+    reach = float(turns[-1]) if loop.dead_time and loop.dt is None else inf
+    turning: Callable[[float], float]
     if loop.dead_time:
         turning = partial(_side, loop)
-        turn = (top * np.conj(bottom)).imag
+        turn = np.where(v <= reach, (top * np.conj(bottom)).imag, 0.0)
     else:  # far from all corners the phase nears a multiple of 90 deg, and only this sign holds
         turning = _by_polynomial(squares.turn)
         turn = np.array([turning(x) for x in v.tolist()])
+    closed = np.abs(bottom + top)
     return Look(
-        v=v, bottom=np.abs(bottom), top=np.abs(top), closed=np.abs(bottom + top),
-        opposite=np.abs(bottom - top), gain=np.sign(np.abs(top) - np.abs(bottom)),
-        turn=np.sign(turn), turning=turning,
+        v=v, bottom=np.abs(bottom), top=np.abs(top), closed=closed, opposite=np.abs(bottom - top),
+        gain=np.sign(np.abs(top) - np.abs(bottom)), turn=np.sign(turn),
+        drop=np.sign(np.abs(top) - squares.level * closed), turning=turning,
+        reach=reach,
     )  # fmt: skip
 
 
@@ -95,7 +105,7 @@ def _by_polynomial(turn: Whole) -> Callable[[float], float]:
     """Return a function of v with the sign of the polynomial ``turn`` of v^2, in floats."""
     octaves = _middle(turn)
     scaled = whole.floats(turn, octaves, whole.size(turn, octaves))
-    unit = 2.0 ** -octaves
+    unit = 2.0**-octaves
 
     def turning(v: float) -> float:
         q = v * v * unit
@@ -145,23 +155,23 @@ def _landmarks(loop: Loop) -> Array:
     count = int(12 * (np.log10(high) - np.log10(low))) + 2
     around = np.abs(every.imag)[:, None] + np.abs(every.real)[:, None] * _AROUND
     v = np.concatenate([np.geomspace(low, high, count), around.ravel(), np.abs(every)])
-    v = v[(v >= low * 1e-3) & (v <= high * 1e3)]
-    return np.unique(np.concatenate([v, _delay_grid(loop, np.sort(v))]))
+    return np.unique(v[(v >= low * 1e-3) & (v <= high * 1e3)])
 
 
 def _delay_grid(loop: Loop, v: Array) -> Array:
     """Return frequencies at every 0.2 rad of the delay's phase lag.
 
     A continuous dead time turns the loop for ever: it is followed while |L| is above a
-    thousandth on the grid v (a half, where that would be too far), and two turns further.
+    thousandth on the grid v (of its largest value, where that is below 1; a half, where that
+    would be too far), and two turns further.
     """
     if not loop.dead_time:
         return np.empty(0)
     if loop.dt is None:
         v = np.concatenate([v, v[-1] * np.geomspace(1.1, 1e6, 150)])  # |L| may fall slowly
         top, bottom = (np.abs(part) for part in loop.parts(v))
-        turn = 0.2 / loop.dead_time
-        for quiet in (1e-3, 0.5):
+        turn, loudest = 0.2 / loop.dead_time, float((top / bottom).max())
+        for quiet in (1e-3 * min(1.0, loudest), 0.5):
             loud = v[top > quiet * bottom]
             reach = (loud[-1] if loud.size else 0.0) + 4 * pi / loop.dead_time
             if reach <= _MOST * turn:

@@ -19,7 +19,7 @@ import numpy as np
 from zoh.analysis.crossings import least, sign_changes
 from zoh.analysis.look import Look, close, sparse
 from zoh.analysis.loop import Loop, scalar
-from zoh.analysis.proof import Drops, Peak, proved
+from zoh.analysis.proof import Found, Peak, proved
 from zoh.analysis.results import Margins
 from zoh.analysis.squares import ON_DEN, ON_NUM, ON_OPPOSITE, Below, Squares
 from zoh.analysis.stability import closed_loop_stable
@@ -27,7 +27,6 @@ from zoh.errors import SpecError
 from zoh.lti import poly
 from zoh.lti.systems import Plant, Sampled
 
-DROP = 10 ** (-3 / 20)  # 3 dB below the gain at w = 0: where the bandwidth ends
 _TOUCHES = 4e-15  # |L| this near to 1 at an end of the axis is 1: a few roundings, and
 _AT_A_ROOT = 1e-13  # of its terms: what num conj den is, in floats, at a root of num or den
 _BLUR = 1e-6  # the crossing they make up this near to it (|L| is flat there) is none
@@ -56,7 +55,7 @@ def measure_loop(loop: Loop) -> Margins:
         stable = closed_loop_stable(loop)
         look = sparse(squares)
         found = _measured(loop, squares, look, stable) if look else None
-        if found is None or not found.certificate.holds:
+        if found is None or found.certificate is None or not found.certificate.holds:
             found = _measured(loop, squares, close(loop, squares), stable)
     numbers = [found.gain_margin, found.phase_margin_deg, found.modulus_margin, found.mt]
     if any(isnan(x) for x in [*numbers, found.disk_margin]):
@@ -76,8 +75,8 @@ def _measured(loop: Loop, squares: Squares, look: Look, stable: bool) -> Margins
     unities = sign_changes(lambda v: _excess(loop, v), look.v, look.gain)
     by_gain = _gain_crossings(loop, squares, unities, by_phase)
     peaks = [_least(loop, squares, look, below) for below in (ON_DEN, ON_NUM, ON_OPPOSITE)]
-    bandwidth, drops = _bandwidth(loop, look)
-    certificate = proved(loop, squares, unities, turns, peaks, drops)
+    drops = _passages(loop, squares, look)
+    certificate = proved(loop, squares, look, Found(unities, turns, drops, peaks))
     nearest_gain = min(by_phase, key=lambda c: abs(log(c[1])), default=(None, inf))
     nearest_phase = min(by_gain, key=lambda c: abs(c[1]), default=(None, inf))
     modulus, complementary, disk = peaks
@@ -94,7 +93,7 @@ def _measured(loop: Loop, squares: Squares, look: Look, stable: bool) -> Margins
         mt_frequency=loop.frequency(complementary.v),
         disk_margin=2 * disk.least,
         disk_frequency=loop.frequency(disk.v),
-        bandwidth=bandwidth,
+        bandwidth=loop.frequency(drops[0]) if drops else None,
         gain_crossings=tuple(by_gain),
         phase_crossings=tuple(by_phase),
         certificate=certificate,
@@ -187,22 +186,14 @@ def _ratio(top: complex, bottom: complex, below: Below) -> float:
     return abs(bottom + top) / under if under else inf
 
 
-def _bandwidth(loop: Loop, look: Look) -> tuple[float | None, Drops]:
-    """Return the frequency at which |T| is first 3 dB below its value at w = 0, None if nowhere.
-
-    Also the level and how often |T| passes it. 3 dB is a factor of 10^(-3/20).
-    """
-    _, top, bottom = loop.ends()[0]
-    if top == 0 or top + bottom == 0:
-        return None, Drops(level=0.0, found=0)
-    level = DROP * abs(top / (top + bottom))
+def _passages(loop: Loop, squares: Squares, look: Look) -> list[float]:
+    """Return every v at which |T| passes 3 dB below its value at w = 0, ascending."""
 
     def above(v: float) -> float:
         num, den = loop.point(v)
-        return abs(num) - level * abs(den + num)
+        return abs(num) - squares.level * abs(den + num)
 
-    found = sign_changes(above, look.v, np.sign(look.top - level * look.closed))
-    return (loop.frequency(found[0]) if found else None), Drops(level=level, found=len(found))
+    return sign_changes(above, look.v, look.drop) if squares.level else []
 
 
 def _delay_margin(loop: Loop, by_gain: Crossings) -> float:

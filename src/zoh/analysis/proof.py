@@ -9,10 +9,13 @@ a modulus margin just below m. All of it in whole numbers. Where a delay leaves 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf
+from typing import NamedTuple
 
-from zoh.analysis.loop import Loop
+from zoh.analysis import discs
+from zoh.analysis.look import Look
+from zoh.analysis.loop import Array, Loop
 from zoh.analysis.results import Certificate, Proof
-from zoh.analysis.squares import ON_DEN, ON_NUM, Below, Squares
+from zoh.analysis.squares import Below, Squares
 from zoh.lti import whole
 from zoh.lti.whole import Whole
 
@@ -28,35 +31,30 @@ class Peak:
     below: Below
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Drops:
-    """How often |T| passes a level."""
+class Found(NamedTuple):
+    """What was found, in v: |L| = 1, L real, |T| at its level, and the peaks."""
 
-    level: float
-    found: int
+    unities: Sequence[float]
+    turns: Sequence[float]
+    drops: Sequence[float]
+    peaks: Sequence[Peak]
 
 
-def proved(
-    loop: Loop, squares: Squares, unities: Sequence[float], turns: Sequence[float],
-    peaks: Sequence[Peak], drops: Drops,
-) -> Certificate:  # fmt: skip
-    """Return the proofs for what was found: crossings, peaks, passages of |T|."""
-    gain = counted(squares.gain, len(unities))
-    if not squares.whole:
-        unproved = Proof(holds=False, method="none", detail="a delay leaves no polynomial")
-        return Certificate(
-            gain_crossings=gain, phase_crossings=unproved, modulus_margin=unproved,
-            mt=unproved, disk_margin=unproved, bandwidth=unproved,
-        )  # fmt: skip
-    modulus, complementary, disk = (_least(squares, peak) for peak in peaks)
+def proved(loop: Loop, squares: Squares, look: Look, found: Found) -> Certificate:
+    """Return the proofs for what was found in a look."""
+    gain = counted(squares.gain, len(found.unities))
+    if squares.whole:
+        modulus, complementary, disk = (_least(squares, peak) for peak in found.peaks)
+        phases = counted(squares.turn, len(found.turns))
+        passages = counted(squares.drop, len(found.drops))
+    else:
+        modulus, complementary, disk = (_between(loop, look.v, peak) for peak in found.peaks)
+        phases = discs.turns(loop, look.v[look.v <= look.reach], len(found.turns))
+        passages = discs.passages(loop, look.v, squares.level, len(found.drops))
     return Certificate(
-        gain_crossings=gain,
-        phase_crossings=counted(squares.turn, len(turns)),
-        modulus_margin=modulus,
-        mt=complementary,
-        disk_margin=disk,
-        bandwidth=_passed(squares, drops),
-    )
+        gain_crossings=gain, phase_crossings=phases, modulus_margin=modulus, mt=complementary,
+        disk_margin=disk, bandwidth=passages,
+    )  # fmt: skip
 
 
 def counted(a: Whole, found: int) -> Proof:
@@ -75,8 +73,8 @@ def counted(a: Whole, found: int) -> Proof:
 
 def _least(squares: Squares, peak: Peak) -> Proof:
     """Return whether the ratio is nowhere below its least value found, but for PEAK_TOL."""
-    if peak.least in (0.0, inf):  # nothing is below 0; inf: there is nothing to measure against
-        return Proof(holds=peak.least == 0.0, method="bound", detail="0 is the least there is")
+    if (nothing := _nothing_below(peak)) or peak.least == inf:
+        return nothing or Proof(holds=False, method="none", detail="nothing to measure against")
     level, unit = (peak.least**2 * (1 - 2 * PEAK_TOL)).as_integer_ratio()
     above = [unit * c for c in squares.closed]
     method = whole.positive(whole.plus(above, squares.below(peak.below), -level), peak.v**2)
@@ -87,11 +85,12 @@ def _least(squares: Squares, peak: Peak) -> Proof:
     )
 
 
-def _passed(squares: Squares, drops: Drops) -> Proof:
-    level, unit = (drops.level**2).as_integer_ratio()
-    if not drops.level:
-        return Proof(holds=True, method="bound", detail="T is 0 or infinite at w = 0")
-    return counted(whole.plus([unit * c for c in squares.top], squares.closed, -level), drops.found)
+def _between(loop: Loop, v: Array, peak: Peak) -> Proof:
+    """Return ``discs.least``, or that there is nothing to prove."""
+    return _nothing_below(peak) or discs.least(loop, v, peak.least, peak.below)
 
 
-__all__ = ["ON_DEN", "ON_NUM", "Drops", "Peak", "counted", "proved"]
+def _nothing_below(peak: Peak) -> Proof | None:
+    if peak.least == 0.0:
+        return Proof(holds=True, method="bound", detail="0 is the least there is")
+    return None

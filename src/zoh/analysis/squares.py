@@ -22,6 +22,7 @@ from zoh.analysis.loop import Array, Loop
 from zoh.lti import whole
 from zoh.lti.whole import Whole
 
+DROP = 10**-0.3  # -3 dB of |T|^2: where the bandwidth ends
 SHORT = 12  # samples of delay that are multiplied in: more of them cost more than a grid does
 
 Below = tuple[float, float]  # what |D + N| is measured against: |b D + a N| as (b, a)
@@ -40,6 +41,8 @@ class Squares:
     bottom, top, closed, opposite  |D|^2, |N|^2, |D + N|^2 and |D - N|^2
     gain   |N|^2 - |D|^2, above 0 where |L| > 1
     turn   T, with the sign of Im L
+    drop   |N|^2 - level^2 |D + N|^2, above 0 where |T| is above level, 3 dB below its value at
+           w = 0; level is 0, and drop says nothing, where T is 0 or infinite there
     whole  whether a delay, if there is one, is in them; else only gain, bottom and top hold
     """
 
@@ -49,6 +52,8 @@ class Squares:
     opposite: Whole
     gain: Whole
     turn: Whole
+    drop: Whole
+    level: float
     whole: bool
 
     @classmethod
@@ -68,13 +73,17 @@ class Squares:
         top = _joined(whole.times(num_even, num_even), whole.times(num_odd, num_odd))
         cross = _joined(whole.times(num_even, den_even), whole.times(num_odd, den_odd))
         both = whole.plus(bottom, top)
+        closed = whole.plus(both, cross, 2)
+        drop, level = _drop(top, closed)
         return cls(
             bottom=bottom,
             top=top,
-            closed=whole.plus(both, cross, 2),
+            closed=closed,
             opposite=whole.plus(both, cross, -2),
             gain=whole.plus(top, bottom, -1),
             turn=whole.plus(whole.times(num_odd, den_even), whole.times(num_even, den_odd), -1),
+            drop=drop,
+            level=level,
             whole=not loop.dead_time or 0 < m <= SHORT,
         )
 
@@ -88,6 +97,16 @@ class Squares:
         """Return |D + N| over |D|, |N| or |D - N| at v, of the exact values there."""
         above, under = (whole.at(a, v * v) for a in (self.closed, self.below(which)))
         return sqrt(above / under) if under else inf
+
+
+def _drop(top: Whole, closed: Whole) -> tuple[Whole, float]:
+    """Return (drop, level) of |T|^2 = top/closed."""
+    at_rest = next(pair for pair in zip(top[::-1], closed[::-1], strict=True) if any(pair))
+    if not all(at_rest):
+        return [0], 0.0
+    over, unit = DROP.as_integer_ratio()
+    once = [unit * at_rest[1] * c for c in top]
+    return whole.plus(once, closed, -over * at_rest[0]), sqrt(DROP * (at_rest[0] / at_rest[1]))
 
 
 def _joined(even: Whole, odd: Whole) -> Whole:
@@ -137,7 +156,5 @@ def on_grid(polynomials: Sequence[Whole]) -> tuple[Array, Array]:
     for i in range(longest - 3, -1, -1):
         np.multiply(powers[i + 1], powers[-2], out=powers[i])
     largest = max(whole.size(a, middle) for a in polynomials)
-    rows = [
-        [0.0] * (longest - len(a)) + whole.floats(a, middle, largest) for a in polynomials
-    ]
+    rows = [[0.0] * (longest - len(a)) + whole.floats(a, middle, largest) for a in polynomials]
     return np.exp2(octaves / 2), np.array(rows) @ powers

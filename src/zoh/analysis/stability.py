@@ -2,7 +2,7 @@
 
 Without delay the closed loop is a polynomial, and Routh's scheme in whole numbers decides.
 Whole samples of delay are multiplied in. A continuous dead time, or a very long one, leaves no
-polynomial: there the argument principle counts.
+polynomial: there the argument principle counts, with a proof between the points it looks at.
 """
 
 from collections.abc import Sequence
@@ -10,7 +10,8 @@ from math import comb, pi
 
 import numpy as np
 
-from zoh.analysis.loop import Loop
+from zoh.analysis.discs import unstable_zeros
+from zoh.analysis.loop import Array, Loop
 from zoh.lti import poly, whole
 
 LONGEST = 60  # samples of delay that are multiplied in
@@ -50,42 +51,19 @@ def _with_delay(loop: Loop, dt: float, m: int) -> list[int]:
 
 
 def _none_encircled(loop: Loop) -> bool:
-    """Return whether f = den + num exp(-j psi) turns as a stable one does.
-
-    f/(jv + r)^n has its poles on the left and goes to a constant, so from v = 0 to infinity its
-    argument changes by -pi times the number of zeros on the right. The path is refined until no
-    step turns by more than 0.5 rad and no step is long against the delay.
-    Source: Mikhailov's criterion, the argument principle on the imaginary axis; for polynomials
-    with exponentials R. Bellman and K. L. Cooke, Differential-Difference Equations, ch. 13.
-    """
-    n = len(loop.den) - 1
+    """Return whether no zero of 1 + L is on the right or, to within rounding, on the boundary."""
     if loop.dt is None and abs(loop.num[0]) >= abs(loop.den[0]):
         return False  # |L| >= 1 at infinity with dead time: infinitely many poles on the right
     sizes = [abs(r) for r in (*poly.roots(loop.den), *poly.roots(loop.num)) if r]
     scale = max([*sizes, 1 / loop.dead_time])
-    low = min([*sizes, 1 / loop.dead_time]) * 1e-6
-    v = np.concatenate([[0.0], np.geomspace(low, scale * 1e8, 2000), _turns(loop, scale)])
-    v = np.unique(v)
-    for _ in range(60):
-        top, bottom = loop.parts(v)
-        g = (bottom + top) / (1j * v + scale) ** n
-        if np.any(g == 0):
-            return False
-        step = np.angle(g[1:] / g[:-1])
-        wide = np.flatnonzero(np.abs(step) > 0.5)
-        if not wide.size:
-            break
-        v = np.sort(np.concatenate([v, (v[wide] + v[wide + 1]) / 2]))
-    else:
-        return False  # the path runs through -1 to within rounding: on the boundary
-    return bool(abs(step.sum()) < pi / 2) and bool((g[0] * g[-1].conjugate()).real > 0)
+    low = min([*sizes, 1 / loop.dead_time]) * 1e-3
+    v = np.unique(np.concatenate([np.geomspace(low, scale * 1e3, 300), _turns(loop, scale)]))
+    return unstable_zeros(loop, v[v > 0]) == 0
 
 
-def _turns(loop: Loop, scale: float) -> np.ndarray:
+def _turns(loop: Loop, scale: float) -> Array:
     """Return frequencies at every 0.3 rad of the delay's phase, as far as the loop matters."""
-    count = 20_000
     if loop.dt is None:
-        reach = scale * (abs(loop.num[0]) + 2) * 1e3
-        return np.linspace(0, min(0.3 / loop.dead_time * count, reach), count)
+        return np.asarray(np.linspace(0, min(600.0 / loop.dead_time, scale * 10), 2000))
     half = np.linspace(0, pi / 2, max(2, round(loop.dead_time / loop.dt * 20)), endpoint=False)
-    return 2 / loop.dt * np.tan(half)
+    return np.asarray(2 / loop.dt * np.tan(half))

@@ -6,6 +6,7 @@ descending powers; a common factor of a power of two is immaterial and left out.
 """
 
 from collections.abc import Sequence
+from itertools import pairwise
 from math import frexp, gcd, inf, ldexp
 
 from zoh.lti import poly
@@ -119,7 +120,7 @@ def variations(a: Whole) -> int:
     2
     """
     signs = [c > 0 for c in a if c]
-    return sum(one != other for one, other in zip(signs, signs[1:], strict=False))
+    return sum(one != other for one, other in pairwise(signs))
 
 
 def positive_roots(a: Whole) -> int:
