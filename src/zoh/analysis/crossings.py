@@ -16,6 +16,7 @@ _LAST_BIT = 2.3e-16
 _TWINS = 1e-9  # relative distance of points that look at the same place
 _ONE = 1e-12  # relative distance of crossings that rounding cannot tell apart
 _VALLEYS = 500  # the lowest that are followed; a delay of 10 000 samples makes that many
+_FLAT = 1e-11  # relative; a minimum is flat, and its slope has no more digits to find it by
 
 
 def sign_changes(f: Callable[[float], float], v: Array, signs: Array) -> list[float]:
@@ -25,8 +26,8 @@ def sign_changes(f: Callable[[float], float], v: Array, signs: Array) -> list[fl
     return merged(bracketed(f, float(v[i]), float(v[i + 1])) for i in flips)
 
 
-def bracketed(f: Callable[[float], float], a: float, b: float) -> float:
-    """Return the root of f in [a, b], where f changes sign, to the last bit or two.
+def bracketed(f: Callable[[float], float], a: float, b: float, within: float = _LAST_BIT) -> float:
+    """Return the root of f in [a, b], where f changes sign, to ``within`` of it.
 
     Inverse quadratic steps where they are safe, halving where they are not.
     Source: T. R. Chandrupatla, A new hybrid quadratic/bisection algorithm for finding the zero
@@ -48,7 +49,7 @@ def bracketed(f: Callable[[float], float], a: float, b: float) -> float:
             c, fc, b, fb = b, fb, a, fa
         a, fa = x, fx
         best, least_f = (a, fa) if abs(fa) < abs(fb) else (b, fb)
-        smallest = _LAST_BIT * abs(best) / abs(b - c) if b != c else 1.0
+        smallest = within * abs(best) / abs(b - c) if b != c else 1.0
         if smallest > 0.5 or least_f == 0:
             return best
         t = min(1 - smallest, max(smallest, _inverse_quadratic(a, fa, b, fb, c, fc)))
@@ -65,19 +66,16 @@ def _inverse_quadratic(a: float, fa: float, b: float, fb: float, c: float, fc: f
 
 def least(
     value: Callable[[float], float], slope: Callable[[float], float], v: Array, y: Array
-) -> tuple[float, float]:
-    """Return (v, minimum) of a function known as y at v, and between by its value and slope.
+) -> float:
+    """Return where a function known as y at v, and between by its value and slope, is least.
 
     Every valley of y is followed to where the slope changes sign: how deep one goes between its
     points, these do not tell.
     """
-    y = np.where(np.isnan(y), inf, y)
-    padded = np.concatenate([[inf], y, [inf]])
-    valleys = np.flatnonzero((y <= padded[:-2]) & (y <= padded[2:]) & np.isfinite(y))
-    valleys = valleys[np.argsort(y[valleys])][:_VALLEYS]
-    lowest = int(np.argmin(y))
+    y = np.where(y >= 0, y, inf)  # no number is no valley
+    lowest = int(y.argmin())
     best_v, best = float(v[lowest]), float(y[lowest])
-    for i in valleys.tolist():
+    for i in _valleys(y)[:_VALLEYS]:
         here = float(v[i])
         step = -1 if slope(here) > 0 else 1
         side = i + step
@@ -86,13 +84,17 @@ def least(
             side += step
         if not 0 <= side < len(v):
             continue
-        a, b = sorted((here, float(v[side])))
-        if not slope(a) <= 0 <= slope(b):
-            continue
-        found = bracketed(slope, a, b)
+        found = bracketed(slope, here, float(v[side]), _FLAT)
         if value(found) < best:
             best_v, best = found, value(found)
-    return best_v, best
+    return best_v
+
+
+def _valleys(y: Array) -> list[int]:
+    """Return where y is lowest among its neighbours, the deepest first."""
+    padded = np.concatenate([[inf], y, [inf]])
+    found = np.flatnonzero((y <= padded[:-2]) & (y <= padded[2:]) & np.isfinite(y))
+    return list(found[np.argsort(y[found])].tolist())
 
 
 def merged(found: Iterable[float]) -> list[float]:

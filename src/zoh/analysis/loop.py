@@ -15,9 +15,10 @@ import numpy as np
 import numpy.typing as npt
 
 from zoh.errors import SpecError
-from zoh.lti import poly
+from zoh.lti import poly, whole
 from zoh.lti.poly import Poly
 from zoh.lti.systems import Plant, Sampled
+from zoh.lti.whole import Whole
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
@@ -28,12 +29,15 @@ class Loop:
     """num(jv)/den(jv) exp(-j psi(v)).
 
     num, den   real polynomials of one length, descending powers of j v
+    exact      the same in whole numbers, times one power of two: the product of the systems'
+               coefficients without rounding, which num and den are the floats of
     dt         s, the sample time; None for a continuous loop
     dead_time  s, the delay kept apart from the polynomials
     """
 
     num: Poly
     den: Poly
+    exact: tuple[Whole, Whole]
     dt: float | None
     dead_time: float
 
@@ -51,14 +55,22 @@ class Loop:
                     _dt(system),
                     "zoh.sample the plant with the controller's dt",
                 )
-        num: Poly = (1.0,)
-        den: Poly = (1.0,)
-        dead_time = 0.0
+        num: Whole = (1,)
+        den: Whole = (1,)
+        unit, dead_time = 1, 0.0
         for system in systems:
-            top, bottom, wait = _parts(system)
-            num, den = poly.times(num, top), poly.times(den, bottom)
-            dead_time += wait
-        return cls(num=poly.padded(num, len(den)), den=den, dt=_dt(first), dead_time=dead_time)
+            top, bottom, its_unit, wait = _parts(system)
+            num, den = whole.times(num, top), whole.times(den, bottom)
+            unit, dead_time = unit * its_unit, dead_time + wait
+        num = [0] * (len(den) - len(num)) + list(num)
+        bits = unit.bit_length() - 1
+        try:
+            top_floats, bottom_floats = (tuple(whole.floats(a, 0, bits)) for a in (num, den))
+        except OverflowError:
+            raise out_of_range([*systems]) from None
+        return cls(
+            num=top_floats, den=bottom_floats, exact=(num, den), dt=_dt(first), dead_time=dead_time
+        )
 
     def frequency(self, v: float) -> float:
         """Return the real frequency in rad/s at v."""
@@ -95,6 +107,26 @@ class Loop:
         """Return (num(jv) exp(-j psi), den(jv)) at one v."""
         top, bottom = scalar(self.num, v), scalar(self.den, v)
         return (top * exp(-1j * self.psi(v)) if self.dead_time else top), bottom
+
+    def excess(self, v: float) -> float:
+        """Return |num| - |den| at one v, above 0 where |L| > 1."""
+        return abs(scalar(self.num, v)) - abs(scalar(self.den, v))
+
+    def side(self, v: float) -> float:
+        """Return Im(num conj den), the delay in it, at one v."""
+        top, bottom = self.point(v)
+        return (top * bottom.conjugate()).imag
+
+    def above(self, v: float, level: float) -> float:
+        """Return |num| - level |den + num| at one v, above 0 where |T| > level."""
+        top, bottom = self.point(v)
+        return abs(top) - level * abs(bottom + top)
+
+    def ratio(self, v: float, below: tuple[float, float]) -> float:
+        """Return |den + num|/|b den + a num| at one v, below = (b, a); inf over 0."""
+        top, bottom = self.point(v)
+        under = abs(below[0] * bottom + below[1] * top)
+        return abs(bottom + top) / under if under else inf
 
     def slopes(self, v: float) -> tuple[complex, complex, complex, complex]:
         """Return ``point`` and its derivatives with respect to v: (top, bottom, dtop, dbottom)."""
@@ -160,8 +192,21 @@ def _dt(system: Plant | Sampled | None) -> float | None:
     return system.dt if isinstance(system, Sampled) else None
 
 
-def _parts(system: Plant | Sampled) -> tuple[Poly, Poly, float]:
+def _parts(system: Plant | Sampled) -> tuple[Whole, Whole, int, float]:
+    """Return (num, den, unit, delay): whole numbers that are the coefficients times unit."""
     if isinstance(system, Sampled):
-        return system.num_w, system.den_w, system.delay * system.dt
-    num = tuple(system.sensor * c for c in system.num)
-    return poly.padded(num, len(system.den)), system.den, system.dead_time
+        (num, den), unit = whole.of(system.num_w, system.den_w)
+        return num, den, unit, system.delay * system.dt
+    (num, den, sensor, one), unit = whole.of(system.num, system.den, (system.sensor,), (1.0,))
+    num, den = whole.times(num, sensor), whole.times(den, one)
+    return num, den, unit * unit, system.dead_time
+
+
+def out_of_range(coefficients: object) -> SpecError:
+    """Return the error of a loop whose gains leave the range of a float."""
+    return SpecError(
+        "L",
+        "must have gains that a 64-bit float can hold",
+        coefficients,
+        "use other units for the signals or for time",
+    )

@@ -16,14 +16,13 @@ from math import degrees, inf, isnan, log, radians, tau
 
 import numpy as np
 
-from zoh.analysis.crossings import least, sign_changes
-from zoh.analysis.look import Look, close, sparse
-from zoh.analysis.loop import Loop, scalar
-from zoh.analysis.proof import Found, Peak, proved
+from zoh.analysis.close import Close
+from zoh.analysis.loop import Loop, out_of_range
+from zoh.analysis.proof import Found, Look, Peak, proved
 from zoh.analysis.results import Margins
+from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import ON_DEN, ON_NUM, ON_OPPOSITE, Below, Squares
 from zoh.analysis.stability import closed_loop_stable
-from zoh.errors import SpecError
 from zoh.lti import poly
 from zoh.lti.systems import Plant, Sampled
 
@@ -53,29 +52,22 @@ def measure_loop(loop: Loop) -> Margins:
     with np.errstate(all="ignore"):  # what overflows is looked for below
         squares = Squares.of(loop)
         stable = closed_loop_stable(loop)
-        look = sparse(squares)
+        look = Sparse.of(loop, squares)
         found = _measured(loop, squares, look, stable) if look else None
         if found is None or found.certificate is None or not found.certificate.holds:
-            found = _measured(loop, squares, close(loop, squares), stable)
+            found = _measured(loop, squares, Close.of(loop, squares), stable)
     numbers = [found.gain_margin, found.phase_margin_deg, found.modulus_margin, found.mt]
     if any(isnan(x) for x in [*numbers, found.disk_margin]):
-        raise SpecError(
-            "L",
-            "must have gains that a 64-bit float can hold",
-            [*loop.num, *loop.den],
-            "use other units for the signals or for time",
-        )
+        raise out_of_range([*loop.num, *loop.den])
     return found
 
 
 def _measured(loop: Loop, squares: Squares, look: Look, stable: bool) -> Margins:
     """Return everything that a look at the loop shows, with the proof that it is everything."""
-    turns = sign_changes(look.turning, look.v, look.turn)
-    by_phase = _phase_crossings(loop, squares, look, turns)
-    unities = sign_changes(lambda v: _excess(loop, v), look.v, look.gain)
+    unities, turns, drops = look.unities(), look.turns(), look.drops()
+    by_phase = _phase_crossings(loop, squares, unities, turns)
     by_gain = _gain_crossings(loop, squares, unities, by_phase)
     peaks = [_least(loop, squares, look, below) for below in (ON_DEN, ON_NUM, ON_OPPOSITE)]
-    drops = _passages(loop, squares, look)
     certificate = proved(loop, squares, look, Found(unities, turns, drops, peaks))
     nearest_gain = min(by_phase, key=lambda c: abs(log(c[1])), default=(None, inf))
     nearest_phase = min(by_gain, key=lambda c: abs(c[1]), default=(None, inf))
@@ -100,11 +92,6 @@ def _measured(loop: Loop, squares: Squares, look: Look, stable: bool) -> Margins
     )
 
 
-def _excess(loop: Loop, v: float) -> float:
-    """Return |num| - |den| at v."""
-    return abs(scalar(loop.num, v)) - abs(scalar(loop.den, v))
-
-
 def _gain_crossings(
     loop: Loop, squares: Squares, unities: list[float], by_phase: Crossings
 ) -> Crossings:
@@ -122,10 +109,12 @@ def _gain_crossings(
     return sorted(crossings)
 
 
-def _phase_crossings(loop: Loop, squares: Squares, look: Look, turns: list[float]) -> Crossings:
+def _phase_crossings(
+    loop: Loop, squares: Squares, unities: list[float], turns: list[float]
+) -> Crossings:
     """Return (frequency, factor on L that closes onto -1) wherever L is negative real."""
     if not loop.dead_time and not any(squares.turn):
-        return _always_real(loop, squares, look)
+        return _always_real(loop, squares, unities)
     crossings = []
     for v in turns:
         top, bottom = loop.point(v)
@@ -143,12 +132,11 @@ def _at_the_ends(loop: Loop) -> Crossings:
     ]
 
 
-def _always_real(loop: Loop, squares: Squares, look: Look) -> Crossings:
+def _always_real(loop: Loop, squares: Squares, unities: list[float]) -> Crossings:
     """Return the phase crossings of a loop that is real at every frequency.
 
     Any gain inside its range then makes it marginal somewhere: where |L| is 1 the factor is 1.
     """
-    unities = sign_changes(lambda v: _excess(loop, v), look.v, look.gain)
     found = [
         (w, 1.0)
         for w, pm in _gain_crossings(loop, squares, unities, [])
@@ -159,41 +147,14 @@ def _always_real(loop: Loop, squares: Squares, look: Look) -> Crossings:
 
 def _least(loop: Loop, squares: Squares, look: Look, below: Below) -> Peak:
     """Return where |den + num|/|below| is least, both ends included."""
-    on_bottom, on_top = below
-
-    def slope(v: float) -> float:
-        top, bottom, dtop, dbottom = loop.slopes(v)
-        above, under = bottom + top, on_bottom * bottom + on_top * top
-        if above == 0 or under == 0:
-            return 0.0
-        dunder = on_bottom * dbottom + on_top * dtop
-        return ((dbottom + dtop) / above).real - (dunder / under).real
-
-    def ratio(v: float) -> float:
-        return squares.ratio(v, below) if squares.whole else _ratio(*loop.point(v), below)
-
-    best = least(ratio, slope, look.v, look.ratio(below))
+    place = look.lowest(below)
+    value = squares.ratio(place, below) if squares.whole else loop.ratio(place, below)
     for v, top, bottom in loop.ends():
-        end = _ratio(complex(top), complex(bottom), below)
+        under = abs(below[0] * bottom + below[1] * top)
         # where the least is at an end, the grid's outermost point says the same but for rounding
-        if end <= best[1] * (1 + 1e-14):
-            best = v, end
-    return Peak(v=best[0], least=best[1], below=below)
-
-
-def _ratio(top: complex, bottom: complex, below: Below) -> float:
-    under = abs(below[0] * bottom + below[1] * top)
-    return abs(bottom + top) / under if under else inf
-
-
-def _passages(loop: Loop, squares: Squares, look: Look) -> list[float]:
-    """Return every v at which |T| passes 3 dB below its value at w = 0, ascending."""
-
-    def above(v: float) -> float:
-        num, den = loop.point(v)
-        return abs(num) - squares.level * abs(den + num)
-
-    return sign_changes(above, look.v, look.drop) if squares.level else []
+        if under and abs(bottom + top) / under <= value * (1 + 1e-14):
+            place, value = v, abs(bottom + top) / under
+    return Peak(v=place, least=value, below=below)
 
 
 def _delay_margin(loop: Loop, by_gain: Crossings) -> float:

@@ -12,14 +12,18 @@ from math import inf
 from typing import NamedTuple
 
 from zoh.analysis import discs
-from zoh.analysis.look import Look
+from zoh.analysis.close import Close
 from zoh.analysis.loop import Array, Loop
 from zoh.analysis.results import Certificate, Proof
+from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import Below, Squares
 from zoh.lti import whole
 from zoh.lti.whole import Whole
 
 PEAK_TOL = 1e-9  # relative; what is proved of a peak is that no point is higher by more than this
+
+
+Look = Sparse | Close
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,14 +47,15 @@ class Found(NamedTuple):
 def proved(loop: Loop, squares: Squares, look: Look, found: Found) -> Certificate:
     """Return the proofs for what was found in a look."""
     gain = counted(squares.gain, len(found.unities))
-    if squares.whole:
+    if isinstance(look, Sparse) or squares.whole:
         modulus, complementary, disk = (_least(squares, peak) for peak in found.peaks)
         phases = counted(squares.turn, len(found.turns))
         passages = counted(squares.drop, len(found.drops))
     else:
-        modulus, complementary, disk = (_between(loop, look.v, peak) for peak in found.peaks)
-        phases = discs.turns(loop, look.v[look.v <= look.reach], len(found.turns))
-        passages = discs.passages(loop, look.v, squares.level, len(found.drops))
+        v, level = look.v, squares.level
+        modulus, complementary, disk = (_between(loop, v, peak) for peak in found.peaks)
+        phases = discs.turns(loop, v[v <= look.reach], len(found.turns))
+        passages = discs.passages(loop, v, level, len(found.drops))
     return Certificate(
         gain_crossings=gain, phase_crossings=phases, modulus_margin=modulus, mt=complementary,
         disk_margin=disk, bandwidth=passages,

@@ -14,11 +14,9 @@ rounded once.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import ceil, floor, inf, sqrt
+from math import inf, sqrt
 
-import numpy as np
-
-from zoh.analysis.loop import Array, Loop
+from zoh.analysis.loop import Loop
 from zoh.lti import whole
 from zoh.lti.whole import Whole
 
@@ -29,9 +27,6 @@ Below = tuple[float, float]  # what |D + N| is measured against: |b D + a N| as 
 ON_DEN: Below = (1.0, 0.0)
 ON_NUM: Below = (0.0, 1.0)
 ON_OPPOSITE: Below = (1.0, -1.0)
-
-_BEYOND = 7  # octaves in q that are looked at beyond the first and the last corner
-_PER_OCTAVE = 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,12 +54,12 @@ class Squares:
     @classmethod
     def of(cls, loop: Loop) -> "Squares":
         """Return the polynomials of a loop, the delay multiplied in where it is ``SHORT``."""
-        num, den = whole.of(loop.num, loop.den)
+        num, den = loop.exact
         m = 0
         if loop.dead_time and loop.dt is not None:
             m = round(loop.dead_time / loop.dt)
             if m <= SHORT:
-                half, one = (a[0] for a in whole.of((loop.dt / 2,), (1.0,)))
+                half, one = (loop.dt / 2).as_integer_ratio()
                 num = whole.times(num, whole.power((-half, one), m))
                 den = whole.times(den, whole.power((half, one), m))
         num_even, num_odd = whole.on_axis(num)
@@ -114,10 +109,10 @@ def _joined(even: Whole, odd: Whole) -> Whole:
     return whole.plus(even, [*odd, 0])
 
 
-def corners(*polynomials: Whole) -> list[float]:
+def corners(polynomials: Sequence[Whole]) -> list[float]:
     """Return log2 of about where the roots of the polynomials lie, by Newton's polygon.
 
-    >>> corners((1, 0, 4))  # |roots| = 2
+    >>> corners([(1, 0, 4)])  # |roots| = 2
     [1.0]
     """
     found = []
@@ -136,25 +131,3 @@ def corners(*polynomials: Whole) -> list[float]:
 def _dented(left: tuple[int, int], middle: tuple[int, int], i: int, y: int) -> bool:
     """Return whether the middle point lies on or below the line between its neighbours."""
     return (middle[1] - left[1]) * (i - left[0]) <= (y - left[1]) * (middle[0] - left[0])
-
-
-def on_grid(polynomials: Sequence[Whole]) -> tuple[Array, Array]:
-    """Return (v, values): the polynomials, one row each, on frequencies around all their corners.
-
-    v in rad/s of the w-plane, ascending; values times one power of two.
-    """
-    found = corners(*polynomials)
-    low, high = floor(min(found, default=0.0)), ceil(max(found, default=0.0))
-    middle = (low + high) // 2
-    count = (high - low + 2 * _BEYOND) * _PER_OCTAVE + 1
-    octaves = np.linspace(low - _BEYOND, high + _BEYOND, count)
-    longest = max(map(len, polynomials))
-    powers = np.empty((longest, count))
-    powers[-1] = 1.0
-    if longest > 1:
-        powers[-2] = np.exp2(octaves - middle)
-    for i in range(longest - 3, -1, -1):
-        np.multiply(powers[i + 1], powers[-2], out=powers[i])
-    largest = max(whole.size(a, middle) for a in polynomials)
-    rows = [[0.0] * (longest - len(a)) + whole.floats(a, middle, largest) for a in polynomials]
-    return np.exp2(octaves / 2), np.array(rows) @ powers

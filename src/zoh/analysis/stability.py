@@ -24,8 +24,7 @@ def closed_loop_stable(loop: Loop) -> bool:
     that is unstable makes the loop unstable.
     """
     if not loop.dead_time:
-        num, den = whole.of(loop.num, loop.den)
-        return whole.hurwitz(whole.plus(den, num))
+        return whole.hurwitz(whole.plus(*loop.exact))
     if loop.dt is not None:
         m = round(loop.dead_time / loop.dt)
         if m <= LONGEST:
@@ -35,12 +34,12 @@ def closed_loop_stable(loop: Loop) -> bool:
 
 def hurwitz_floats(a: Sequence[float]) -> bool:
     """Return whether every root of a, its coefficients taken exactly, has a negative real part."""
-    return whole.hurwitz(whole.of(a)[0])
+    return whole.hurwitz(whole.of(a)[0][0])
 
 
 def _with_delay(loop: Loop, dt: float, m: int) -> list[int]:
     """Return den (1+p)^m + num (1-p)^m in p = w dt/2, times a positive number."""
-    num, den = whole.of(loop.num, loop.den)
+    num, den = loop.exact
     top, bottom = (dt / 2).as_integer_ratio()
     n = len(den) - 1
     unit = [bottom ** (n - i) * top**i for i in range(n + 1)]  # w^(n-i) = (p bottom/top)^(n-i)

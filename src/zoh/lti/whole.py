@@ -9,20 +9,18 @@ from collections.abc import Sequence
 from itertools import pairwise
 from math import frexp, gcd, inf, ldexp
 
-from zoh.lti import poly
-
 Whole = Sequence[int]
 
 
-def of(*polynomials: Sequence[float]) -> tuple[list[int], ...]:
-    """Return the polynomials times one power of two that makes every coefficient whole.
+def of(*polynomials: Sequence[float]) -> tuple[list[list[int]], int]:
+    """Return (wholes, unit): the polynomials times unit, the least power of two that serves all.
 
     >>> of((0.5, 1.0), (0.25,))
-    ([2, 4], [1])
+    ([[2, 4], [1]], 4)
     """
     ratios = [[c.as_integer_ratio() for c in a] for a in polynomials]
-    common = max(bottom for a in ratios for _, bottom in a)
-    return tuple([top * (common // bottom) for top, bottom in a] for a in ratios)
+    unit = max([bottom for a in ratios for _, bottom in a])
+    return [[top * (unit // bottom) for top, bottom in a] for a in ratios], unit
 
 
 def times(a: Whole, b: Whole) -> list[int]:
@@ -103,10 +101,11 @@ def floats(a: Whole, octaves: int, bits: int) -> list[float]:
     >>> floats((3, 0, 1), octaves=1, bits=1)
     [6.0, 0.0, 0.5]
     """
-    n, out = len(a) - 1, []
-    for i, c in enumerate(a):
-        extra = max(0, c.bit_length() - 61)
-        out.append(ldexp(float(c >> extra), extra + octaves * (n - i) - bits))
+    power, out = octaves * (len(a) - 1) - bits, []
+    for c in a:
+        extra = c.bit_length() - 61
+        out.append(ldexp(c, power) if extra <= 0 else ldexp(c >> extra, power + extra))
+        power -= octaves
     return out
 
 
@@ -200,7 +199,7 @@ def positive(a: Whole, near: float = 0.0) -> str | None:
     a = trim(a)
     if not a or a[0] < 0 or a[-1] < 0:
         return None
-    if not variations(a) or (0 < near < inf and _above_both_ways(a, near)):
+    if (0 < near < inf and _above_both_ways(a, near)) or not variations(a):
         return "Descartes"
     return None if positive_roots(a) else "Sturm"
 
@@ -271,8 +270,11 @@ def on_axis(a: Whole) -> tuple[list[int], list[int]]:
     >>> on_axis((1, 2, 3))  # (jv)^2 + 2 jv + 3
     ([-1, 3], [2])
     """
-    even, odd = poly.even_odd(a)
-    return [int(c) for c in even], [int(c) for c in odd]
+    even, odd = list(a[::-1][0::2]), list(a[::-1][1::2])
+    for part in (even, odd):
+        part[1::2] = [-c for c in part[1::2]]
+        part.reverse()
+    return even, odd or [0]
 
 
 def _reduced(a: list[int]) -> list[int]:

@@ -1,20 +1,19 @@
-"""Where to look at a loop, and what is seen there.
+"""A look at a loop from close by, for what a sparse one may have missed.
 
-The sparse look is a grid from beyond the first corner to beyond the last one, on which the
-exact polynomials are evaluated: cheap, and enough where a proof says so. The close look is
-dense around every pole, zero and closed-loop pole, near every root of the polynomials and along
-every turn of a delay.
+The grid is dense around every pole, zero and closed-loop pole, near every root of the
+polynomials in v^2 and along every turn of a delay. A sign change between neighbours is closed
+in on with the loop itself, and every valley of a ratio is followed to its bottom.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from math import inf, pi
 
 import numpy as np
 
-from zoh.analysis.loop import Array, Loop
-from zoh.analysis.squares import ON_DEN, ON_NUM, Below, Squares, on_grid
+from zoh.analysis.crossings import least, sign_changes
+from zoh.analysis.loop import Array, ComplexArray, Loop
+from zoh.analysis.squares import Below, Squares
 from zoh.errors import SpecError
 from zoh.lti import poly, whole
 from zoh.lti.whole import Whole
@@ -26,79 +25,72 @@ _AROUND = np.array([-30.0, -10, -4, -2, -1, -0.5, -0.2, 0, 0.2, 0.5, 1, 2, 4, 10
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Look:
+class Close:
     """A loop at frequencies v, rad/s on its axis, ascending.
 
-    bottom, top, closed, opposite  |D|, |N|, |D + N| and |D - N| there, up to a common factor
-    gain     the sign of |L| - 1
-    turn     the sign of Im L; turning is a function of v with that sign. Beyond ``reach``, where
-             a continuous dead time turns what is left of the loop for ever, it is 0
-    drop     the sign of |T| less the level at which the bandwidth ends
+    top, bottom  num, the delay in it, and den there
+    reach        up to where L is followed around its turns: a continuous dead time turns what is
+                 left of the loop for ever
     """
 
+    loop: Loop
+    squares: Squares
     v: Array
-    bottom: Array
-    top: Array
-    closed: Array
-    opposite: Array
-    gain: Array
-    turn: Array
-    drop: Array
-    turning: Callable[[float], float]
-    reach: float = inf
+    top: ComplexArray
+    bottom: ComplexArray
+    reach: float
 
-    def ratio(self, below: Below) -> Array:
-        """Return |D + N| over |D|, |N| or |D - N|."""
-        if below == ON_DEN:
-            return self.closed / self.bottom
-        return self.closed / (self.top if below == ON_NUM else self.opposite)
+    @classmethod
+    def of(cls, loop: Loop, squares: Squares) -> "Close":
+        """Return the look; raise SpecError for a dead time that turns too often."""
+        roots = [_suspects(a) for a in (squares.gain, squares.turn, squares.drop)]
+        marks = _landmarks(loop)
+        turns = _delay_grid(loop, marks)
+        v = np.unique(np.concatenate([marks, turns, *roots]))
+        v = v[np.isfinite(v) & (v > 0)]
+        top, bottom = loop.parts(v)
+        reach = float(turns[-1]) if loop.dead_time and loop.dt is None else inf
+        return cls(loop=loop, squares=squares, v=v, top=top, bottom=bottom, reach=reach)
 
+    def unities(self) -> list[float]:
+        """Return every v at which |L| = 1, ascending."""
+        signs = np.sign(np.abs(self.top) - np.abs(self.bottom))
+        return sign_changes(self.loop.excess, self.v, signs)
 
-def sparse(squares: Squares) -> Look | None:
-    """Return the sparse look, None where polynomials do not tell or floats do not hold them."""
-    if not squares.whole:
-        return None
-    s = squares
-    v, values = on_grid((s.bottom, s.top, s.closed, s.opposite, s.gain, s.turn, s.drop))
-    if not np.isfinite(values).all():
-        return None
-    bottom, top, closed, opposite = np.sqrt(np.maximum(values[:4], 0.0))
-    gain, turn, drop = np.sign(values[4:])
-    return Look(
-        v=v, bottom=bottom, top=top, closed=closed, opposite=opposite, gain=gain, turn=turn,
-        drop=drop, turning=_by_polynomial(s.turn),
-    )  # fmt: skip
+    def turns(self) -> list[float]:
+        """Return every v up to ``reach`` at which L is real, ascending."""
+        if self.loop.dead_time:
+            side = (self.top * np.conj(self.bottom)).imag
+            return sign_changes(self.loop.side, self.v, np.sign(side) * (self.v <= self.reach))
+        # far from all corners the phase nears a multiple of 90 deg, and only this sign holds
+        turning = _by_polynomial(self.squares.turn)
+        return sign_changes(turning, self.v, np.sign([turning(v) for v in self.v.tolist()]))
 
+    def drops(self) -> list[float]:
+        """Return every v at which |T| passes the level at which the bandwidth ends, ascending."""
+        level = self.squares.level
+        if not level:
+            return []
+        signs = np.sign(np.abs(self.top) - level * np.abs(self.bottom + self.top))
+        return sign_changes(lambda v: self.loop.above(v, level), self.v, signs)
 
-def close(loop: Loop, squares: Squares) -> Look:
-    """Return the close look."""
-    roots = [_suspects(a) for a in (squares.gain, squares.turn, squares.drop)]
-    marks = _landmarks(loop)
-    turns = _delay_grid(loop, marks)
-    v = np.unique(np.concatenate([marks, turns, *roots]))
-    v = v[np.isfinite(v) & (v > 0)]
-    top, bottom = loop.parts(v)
-    reach = float(turns[-1]) if loop.dead_time and loop.dt is None else inf
-    turning: Callable[[float], float]
-    if loop.dead_time:
-        turning = partial(_side, loop)
-        turn = np.where(v <= reach, (top * np.conj(bottom)).imag, 0.0)
-    else:  # far from all corners the phase nears a multiple of 90 deg, and only this sign holds
-        turning = _by_polynomial(squares.turn)
-        turn = np.array([turning(x) for x in v.tolist()])
-    closed = np.abs(bottom + top)
-    return Look(
-        v=v, bottom=np.abs(bottom), top=np.abs(top), closed=closed, opposite=np.abs(bottom - top),
-        gain=np.sign(np.abs(top) - np.abs(bottom)), turn=np.sign(turn),
-        drop=np.sign(np.abs(top) - squares.level * closed), turning=turning,
-        reach=reach,
-    )  # fmt: skip
+    def lowest(self, below: Below) -> float:
+        """Return the v at which |den + num|/|below| is least."""
+        on_bottom, on_top = below
 
+        def slope(v: float) -> float:
+            top, bottom, dtop, dbottom = self.loop.slopes(v)
+            above, under = bottom + top, on_bottom * bottom + on_top * top
+            if above == 0 or under == 0:
+                return 0.0
+            dunder = on_bottom * dbottom + on_top * dtop
+            return ((dbottom + dtop) / above).real - (dunder / under).real
 
-def _side(loop: Loop, v: float) -> float:
-    """Return Im(num conj den) at v, the delay in it."""
-    top, bottom = loop.point(v)
-    return (top * bottom.conjugate()).imag
+        def ratio(v: float) -> float:
+            return self.squares.ratio(v, below) if self.squares.whole else self.loop.ratio(v, below)
+
+        under = np.abs(on_bottom * self.bottom + on_top * self.top)
+        return least(ratio, slope, self.v, np.abs(self.bottom + self.top) / under)
 
 
 def _by_polynomial(turn: Whole) -> Callable[[float], float]:

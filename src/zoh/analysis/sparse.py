@@ -1,0 +1,194 @@
+"""A first look at a loop: few points, on which its exact polynomials in q = v^2 are evaluated.
+
+The grid reaches from below the first corner of the polynomials to beyond the last one. Between
+two points of different sign lies a root, followed by Newton's method on the polynomial; beside
+the lowest point of a ratio P/Q lies its least value, where P'Q = PQ'. A look as short as this
+can miss something: whether it has, ``proof`` says.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import ceil, floor, inf, sqrt
+
+import numpy as np
+
+from zoh.analysis.loop import Array, Loop
+from zoh.analysis.squares import ON_DEN, ON_NUM, Below, Squares, corners
+from zoh.lti import whole
+from zoh.lti.whole import Whole
+
+_BEYOND = 7  # octaves in q that are looked at beyond the first and the last corner
+_PER_OCTAVE = 2
+_STEP = 2.0 ** (1 / _PER_OCTAVE)
+_NEAR = 1e-7  # relative distance of the two points of a last secant: half a float's digits
+_STILL = 1e-15  # relative step at which Newton's method stands still
+_FLAT = 1e-11  # the same for a least value, which is flat and needs no more
+_BOTTOM, _TOP, _CLOSED, _OPPOSITE, _GAIN, _TURN, _DROP = range(7)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sparse:
+    """The polynomials of ``Squares`` in q/unit, as floats, and their values at q: (7, K)."""
+
+    loop: Loop
+    level: float
+    unit: float
+    polynomials: list[list[float]]
+    q: Array
+    values: Array
+
+    @classmethod
+    def of(cls, loop: Loop, s: Squares) -> "Sparse | None":
+        """Return the look, None where polynomials do not tell or floats do not hold them."""
+        if not s.whole:
+            return None
+        exact: Sequence[Whole] = (s.bottom, s.top, s.closed, s.opposite, s.gain, s.turn, s.drop)
+        found = corners((s.bottom, s.closed, s.gain, s.turn, s.drop))
+        low, high = floor(min(found, default=0.0)), ceil(max(found, default=0.0))
+        middle = (low + high) // 2
+        longest = len(s.bottom)
+        # one power of two for those of which ratios are taken, and none of it underflows
+        shared = max(whole.size(a, middle) for a in exact[: _OPPOSITE + 1])
+        sizes = [shared] * (_OPPOSITE + 1) + [whole.size(a, middle) for a in exact[_GAIN:]]
+        rows = [
+            [0.0] * (longest - len(a)) + whole.floats(a, middle, bits)
+            for a, bits in zip(exact, sizes, strict=True)
+        ]
+        count = (high - low + 2 * _BEYOND) * _PER_OCTAVE + 1
+        q = np.exp2(np.arange(count) / _PER_OCTAVE + (low - _BEYOND - middle))
+        values = np.array(rows).T @ np.ones(1) if longest == 1 else _values(rows, q)
+        if not np.isfinite(values).all():
+            return None
+        return cls(loop=loop, level=s.level, unit=2.0**middle, polynomials=rows, q=q, values=values)
+
+    @property
+    def reach(self) -> float:
+        """Return up to where signs are followed: everywhere."""
+        return inf
+
+    def unities(self) -> list[float]:
+        """Return every v seen at which |L| = 1, ascending."""
+        return [_polished(self.loop.excess, v) for v in self._roots(_GAIN)]
+
+    def turns(self) -> list[float]:
+        """Return every v seen at which L is real, ascending."""
+        return self._roots(_TURN)
+
+    def drops(self) -> list[float]:
+        """Return every v seen at which |T| passes ``level``, ascending."""
+        return [_polished(lambda v: self.loop.above(v, self.level), v) for v in self._roots(_DROP)]
+
+    def lowest(self, below: Below) -> float:
+        """Return the v seen at which |D + N|/|below| is least."""
+        row = _BOTTOM if below == ON_DEN else _TOP if below == ON_NUM else _OPPOSITE
+        under = self.values[row]
+        ratio = np.where(under > 0, self.values[_CLOSED], inf) / under
+        i = int(ratio.argmin())
+        q = float(self.q[i])
+        if 0 < i < len(ratio) - 1:
+            start = q * _STEP ** _parabola(*ratio[i - 1 : i + 2].tolist())
+            ends = float(self.q[i - 1]), float(self.q[i + 1])
+            q = _stationary(self.polynomials[_CLOSED], self.polynomials[row], start, *ends)
+        return sqrt(q) * sqrt(self.unit)
+
+    def _roots(self, row: int) -> list[float]:
+        y = self.values[row]
+        signs = np.sign(y)
+        flips = np.flatnonzero(signs[1:] != signs[:-1])
+        polynomial, found = self.polynomials[row], []
+        for i in flips.tolist():
+            q = _root(
+                polynomial, float(self.q[i]), float(self.q[i + 1]), float(y[i]), float(y[i + 1])
+            )
+            found.append(sqrt(q) * sqrt(self.unit))
+        return found
+
+
+def _values(rows: list[list[float]], q: Array) -> Array:
+    """Return polynomials of one length at q, one row each."""
+    longest = len(rows[0])
+    powers = np.empty((longest, len(q)))
+    powers[-1], powers[-2] = 1.0, q
+    for i in range(longest - 3, -1, -1):
+        np.multiply(powers[i + 1], q, out=powers[i])
+    return np.asarray(np.array(rows) @ powers)
+
+
+def _root(a: Sequence[float], low: float, high: float, at_low: float, at_high: float) -> float:
+    """Return the root of a polynomial between two points at which its signs differ.
+
+    Newton's method from the secant's point on, halving where it leaves the bracket.
+
+    >>> _root([1.0, 0.0, -2.0], 1.0, 2.0, -1.0, 2.0)
+    1.41421356237309...
+    """
+    rising, last = at_high > at_low, inf
+    x = low - at_low * (high - low) / (at_high - at_low)
+    for _ in range(100):
+        value, slope = a[0], 0.0
+        for c in a[1:]:
+            slope = slope * x + value
+            value = value * x + c
+        if (value > 0) == rising:
+            high = x
+        else:
+            low = x
+        step = value / slope if slope else inf
+        if abs(step) <= _STILL * x or abs(last) <= abs(step) < 1e-9 * x:  # rounding is all there is
+            return x - step
+        if not low < x - step < high:
+            step = x - (low + high) / 2
+        x, last = x - step, step
+    return x
+
+
+def _stationary(p: Sequence[float], q: Sequence[float], x: float, low: float, high: float) -> float:
+    """Return where p'q - pq' changes from below to above 0, near x in [low, high].
+
+    >>> _stationary([1.0, 0.0, 1.0], [1.0, 0.0], 1.1, 0.5, 2.0)  # x + 1/x
+    1.0
+    """
+    last = inf
+    for _ in range(100):
+        p0, p1, p2 = _jet(p, x)
+        q0, q1, q2 = _jet(q, x)
+        value, slope = p1 * q0 - p0 * q1, p2 * q0 - p0 * q2
+        if value > 0:
+            high = x
+        else:
+            low = x
+        step = value / slope if slope > 0 else inf
+        if abs(step) <= _FLAT * x or abs(last) <= abs(step) < 1e-6 * x:
+            return x - step
+        if not low < x - step < high:
+            step = x - (low + high) / 2
+        x, last = x - step, step
+    return x
+
+
+def _parabola(left: float, middle: float, right: float) -> float:
+    """Return where the parabola through three equidistant values is least, in their distances.
+
+    >>> _parabola(4.0, 1.0, 0.0)
+    1.0
+    """
+    bend = left - 2 * middle + right
+    return (left - right) / (2 * bend) if 0 < bend < inf else 0.0
+
+
+def _jet(a: Sequence[float], x: float) -> tuple[float, float, float]:
+    """Return a polynomial's value and first two derivatives."""
+    value, slope, half_bend = a[0], 0.0, 0.0
+    for c in a[1:]:
+        half_bend = half_bend * x + slope
+        slope = slope * x + value
+        value = value * x + c
+    return value, slope, 2 * half_bend
+
+
+def _polished(f: Callable[[float], float], v: float) -> float:
+    """Return v moved by one secant step onto a root of f, which the loop itself gives."""
+    near = v * (1 + _NEAR)
+    here, there = f(v), f(near)
+    moved = v - here * (near - v) / (there - here) if there != here else v
+    return moved if abs(moved - v) < 1e-3 * v else v
