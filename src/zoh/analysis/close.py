@@ -18,6 +18,7 @@ from zoh.errors import SpecError
 from zoh.lti import poly, whole
 from zoh.lti.whole import Whole
 
+_LIKE_THE_END = 1.01  # times |L| at infinity: the turns from there on look alike
 _MOST = 200_000  # points on a dead time's turns; more turns than that are not a control loop
 # distances from a mode's frequency in units of its damping: near enough to see its peak, far
 # enough to meet the decades grid
@@ -155,7 +156,8 @@ def _delay_grid(loop: Loop, v: Array) -> Array:
 
     A continuous dead time turns the loop for ever: it is followed while |L| is above a
     thousandth on the grid v (of its largest value, where that is below 1; a half, where that
-    would be too far), and two turns further.
+    would be too far), and two turns further. Where |L| ends at more than that, the end is what
+    every further turn is like.
     """
     if not loop.dead_time:
         return np.empty(0)
@@ -163,8 +165,9 @@ def _delay_grid(loop: Loop, v: Array) -> Array:
         v = np.concatenate([v, v[-1] * np.geomspace(1.1, 1e6, 150)])  # |L| may fall slowly
         top, bottom = (np.abs(part) for part in loop.parts(v))
         turn, loudest = 0.2 / loop.dead_time, float((top / bottom).max())
+        at_the_end = _LIKE_THE_END * abs(loop.num[0] / loop.den[0])
         for quiet in (1e-3 * min(1.0, loudest), 0.5):
-            loud = v[top > quiet * bottom]
+            loud = v[top > max(quiet, at_the_end) * bottom]
             reach = (loud[-1] if loud.size else 0.0) + 4 * pi / loop.dead_time
             if reach <= _MOST * turn:
                 return np.asarray(turn * np.arange(1, int(reach / turn) + 2), float)

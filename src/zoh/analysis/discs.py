@@ -8,7 +8,7 @@ there x = 1/v is the variable, and the polynomials are read backwards.
 Source: R. E. Moore, Interval Analysis, 1966, ch. 3 (centred forms, subdivision).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import pi
 
@@ -21,6 +21,7 @@ from zoh.analysis.squares import Below
 
 PEAK_TOL = 1e-6  # relative; nearer to a peak than this the intervals would become too many
 _ROUNDING = 1e-14  # of the sum of a polynomial's terms, added to each radius
+_JUST_BEYOND = 1e-7  # of a root: far enough for its sign, near enough to have no other one
 _MOST = 400_000  # intervals
 _ROUNDS = 60  # halvings
 
@@ -184,10 +185,16 @@ def turns(loop: Loop, v: Array, found: int) -> Proof:
     return _counted([_changes(part, value, slope, at) for part in parts], found)
 
 
-def passages(loop: Loop, v: Array, level: float, found: int) -> Proof:
-    """Return whether |num|^2 - level^2 |den + num|^2 changes sign as often as was found."""
+def passages(loop: Loop, v: Array, level: float, found: Sequence[float]) -> Proof:
+    """Return whether |num|^2 - level^2 |den + num|^2 changes sign first where it was found to.
+
+    Beyond that it may do so without end where a continuous dead time turns the loop.
+    """
     if not level:
-        return Proof(holds=True, method="bound", detail="T is 0 or infinite at w = 0")
+        return Proof(holds=not found, method="bound", detail="T is 0 or infinite at w = 0")
+    if found:
+        end = found[0] * (1 + _JUST_BEYOND)
+        v = np.append(v[v < end], end)
     square = level * level
 
     def value(d: Discs) -> tuple[Array, Array]:
@@ -208,7 +215,21 @@ def passages(loop: Loop, v: Array, level: float, found: int) -> Proof:
         top, bottom = part.at(x)
         return np.asarray(np.abs(top) ** 2 - square * np.abs(top + bottom) ** 2)
 
-    return _counted([_changes(part, value, slope, at) for part in stretches(loop, v)], found)
+    upto, beyond = stretches(loop, v)
+    counts = [_changes(upto, value, slope, at)]
+    if not found and loop.dt is None:
+        counts.append(0 if _keeps_off(beyond, level) else None)
+    elif not found:
+        counts.append(_changes(beyond, value, slope, at))
+    return _counted(counts, len(found[:1]))
+
+
+def _keeps_off(beyond: Stretch, level: float) -> bool:
+    """Return whether |T| keeps off the level whichever way a dead time turns L."""
+    half = beyond.ends[1:] / 2
+    top, bottom = (_taylor(a, half, half) for a in (beyond.num, beyond.den))
+    (low, high), (least, most) = ((abs(x[0]) - x[1], abs(x[0]) + x[1]) for x in (top, bottom))
+    return bool((low > level * (most + low)).all() or (high < level * (least - high)).all())
 
 
 def unstable_zeros(loop: Loop, v: Array) -> int | None:
@@ -273,7 +294,8 @@ def _decided(part: Stretch, test: Callable[[Discs], Bools]) -> tuple[Array, Arra
     done: list[tuple[Array, Array]] = []
     total = 0
     for _ in range(_ROUNDS):
-        good = test(part.discs(a, b))
+        with np.errstate(invalid="ignore"):  # a radius may be infinite: nothing is proved there
+            good = test(part.discs(a, b))
         done.append((a[good], b[good]))
         a, b = a[~good], b[~good]
         total += len(good)

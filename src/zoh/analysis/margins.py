@@ -67,7 +67,7 @@ def _measured(loop: Loop, squares: Squares, look: Look, stable: bool) -> Margins
     unities, turns, drops = look.unities(), look.turns(), look.drops()
     by_phase = _phase_crossings(loop, squares, unities, turns)
     by_gain = _gain_crossings(loop, squares, unities, by_phase)
-    peaks = [_least(loop, squares, look, below) for below in (ON_DEN, ON_NUM, ON_OPPOSITE)]
+    peaks = [peak(loop, squares, look, below) for below in (ON_DEN, ON_NUM, ON_OPPOSITE)]
     certificate = proved(loop, squares, look, Found(unities, turns, drops, peaks))
     nearest_gain = min(by_phase, key=lambda c: abs(log(c[1])), default=(None, inf))
     nearest_phase = min(by_gain, key=lambda c: abs(c[1]), default=(None, inf))
@@ -145,7 +145,7 @@ def _always_real(loop: Loop, squares: Squares, unities: list[float]) -> Crossing
     return sorted({*found, *_at_the_ends(loop)})
 
 
-def _least(loop: Loop, squares: Squares, look: Look, below: Below) -> Peak:
+def peak(loop: Loop, squares: Squares, look: Look, below: Below) -> Peak:
     """Return where |den + num|/|below| is least, both ends included."""
     place = look.lowest(below)
     value = squares.ratio(place, below) if squares.whole else loop.ratio(place, below)

@@ -55,7 +55,7 @@ def proved(loop: Loop, squares: Squares, look: Look, found: Found) -> Certificat
         v, level = look.v, squares.level
         modulus, complementary, disk = (_between(loop, v, peak) for peak in found.peaks)
         phases = discs.turns(loop, v[v <= look.reach], len(found.turns))
-        passages = discs.passages(loop, v, level, len(found.drops))
+        passages = discs.passages(loop, v, level, found.drops)
     return Certificate(
         gain_crossings=gain, phase_crossings=phases, modulus_margin=modulus, mt=complementary,
         disk_margin=disk, bandwidth=passages,
