@@ -185,11 +185,13 @@ class Sampled:
         cls, *, num: Poly, den: Poly, dt: float, num_w: Poly, den_w: Poly, delay: int = 0
     ) -> "Sampled":
         """Return a system whose two forms were computed together, from parameters."""
-        system = object.__new__(cls)
-        parts = {"num": poly.trim(num), "den": poly.trim(den), "dt": dt}
-        parts |= {"num_w": num_w, "den_w": den_w, "delay": delay}
-        for name, value in parts.items():
-            object.__setattr__(system, name, value)
+        system, put = object.__new__(cls), object.__setattr__
+        put(system, "num", num if num[0] else poly.trim(num))
+        put(system, "den", den if den[0] else poly.trim(den))
+        put(system, "dt", dt)
+        put(system, "num_w", num_w)
+        put(system, "den_w", den_w)
+        put(system, "delay", delay)
         return system
 
     @classmethod

@@ -1,4 +1,4 @@
-"""The ring modulo sigma den(sigma) in whole numbers, with a proved bound on every error.
+"""The ring modulo den(sigma) in whole numbers, with a proved bound on every error.
 
 An element is a tuple of integers, ascending powers of sigma = s T, in units of 2^-bits. T is the
 power of two that makes the moduli's coefficients add up to 1 or less, and that is what makes
@@ -50,21 +50,21 @@ def _terms(bits: int, small: int) -> int:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FixedRing:
-    """The polynomials in sigma modulo a monic one of degree n + 1.
+    """The polynomials in sigma modulo a monic one of degree n.
 
-    modulus  shape (n + 1,), ascending, its leading 1 left out; the sizes add up to 1 or less
+    modulus  shape (n,), ascending, its leading 1 left out; the sizes add up to 1 or less
     bits     of the fraction; each coefficient is within one unit 2^-bits of the truth
+
+    An error is a bound on the norm of what an element is off by, in units.
     """
 
     modulus: tuple[int, ...]
     bits: int
 
-    def sigma(self) -> list[int]:
-        """Return the element sigma."""
-        return self.times_sigma([1 << self.bits] + [0] * (len(self.modulus) - 1))
-
     def times_sigma(self, a: Element) -> list[int]:
         """Return sigma a."""
+        if not a:
+            return []
         top, bits = a[-1], self.bits
         return [s - (top * m >> bits) for s, m in zip((0, *a[:-1]), self.modulus, strict=True)]
 
@@ -80,49 +80,62 @@ class FixedRing:
         return list(zip(*columns, strict=True))
 
     def applied(self, rows: Sequence[Element], b: Element) -> list[int]:
-        """Return the product of rows = rows(a) with b."""
+        """Return the product a b, given rows = rows(a)."""
         bits = self.bits
         return [sum(map(mul, row, b)) >> bits for row in rows]
 
     def product_error(self, size_a: int, error_a: int, size_b: int, error_b: int) -> int:
-        """Return a bound in units on the error of ``applied(rows(a), b)``, sizes being norms.
+        """Return the error of a b; sizes are norms.
 
-        Column j of the matrix has gathered j times n + 1 roundings, of the modulus and its own.
+        Column j of the matrix has gathered j times n roundings of its own and of the modulus.
         """
         n = len(self.modulus)
         column = error_a + n * n * (1 + size_a)
         return size_b * column + size_a * error_b + (column * error_b >> self.bits) + n + 1
 
     def growth(self, t: Ratio, halvings: int, scale: int) -> tuple[list[int], int]:
-        """Return ((exp(t sigma) - 1) 2^scale, a bound on its error in units).
+        """Return ((exp(t sigma) - 1)/sigma 2^scale, its error).
 
         t/2^halvings is 1/2 at most. Where scale is not 0, halvings is 0 and t 2^scale is 1 at
-        most. Horner's rule on t sigma (1 + t sigma/2 (1 + t sigma/3 ( ...))), then E (2 + E) for
-        each halving. Raises OverflowError where an error outgrows every use.
+        most. The series t + t^2 sigma/2 + ... has its powers divided by the modulus, the highest
+        first, which enlarges no sum of sizes; then, for each halving, P (2 + sigma P), which is
+        exp(2 x) - 1 = E (2 + E) divided by sigma. Raises OverflowError where an error outgrows
+        every use.
         """
-        bits, modulus = self.bits, self.modulus
-        n, one, x = len(modulus), 1 << bits, fixed(t, bits - halvings)
-        total = [one] + [0] * (n - 1)
-        for m in range(_terms(bits, bits - x.bit_length()), 1, -1):
-            factor = x // m
-            last = total[-1] * factor >> bits
-            total = [
-                (s * factor >> bits) - (last * c >> bits)
-                for s, c in zip((0, *total[:-1]), modulus, strict=True)
-            ]
-            total[0] += one
-        first = fixed(t, bits - halvings + scale)
-        rows, error = self.rows([first * c >> bits for c in self.sigma()]), 4 * n + 12
-        total = self.applied(rows, total)
-        error = self.product_error(1, 3 * n, 2, error)
+        n, bits, x = len(self.modulus), self.bits, fixed(t, self.bits - halvings)
+        last = fixed(t, bits - halvings + scale)
+        series, count = [last], max(_terms(bits, bits - x.bit_length()), n)
+        for m in range(2, count + 1):
+            last = (last * x >> bits) // m
+            series.append(last)
+        modulus = tuple(enumerate(self.modulus, -n))
+        for k in range(count - 1, n - 1, -1):
+            last = series.pop()
+            for i, c in modulus:
+                series[k + i] -= last * c >> bits
+        total, error = series[:n], (2 * n + 4) * (count + 1)
         for _ in range(halvings):
             total, error = self._doubled(total, error)
         return total, error
 
     def _doubled(self, a: list[int], error: int) -> tuple[list[int], int]:
-        """Return a (2 + a), which is exp(2 x) - 1 where a is exp(x) - 1, and its error."""
+        """Return a (2 + sigma a), and its error."""
         size = self.norm(a)
         if size.bit_length() > 4 * self.bits + 4096:
             raise OverflowError
-        error = self.product_error(size, error, size + 2, error)
-        return self.applied(self.rows(a), [a[0] + (2 << self.bits), *a[1:]]), error
+        n = len(a)
+        shifted = error + n * (1 + size)
+        moved = self.applied(self.rows(self.times_sigma(a)), a)
+        error = self.product_error(size, shifted, size, error) + 2 * error
+        return [2 * c + d for c, d in zip(a, moved, strict=True)], error
+
+    def powers(self, a: list[int], error: int) -> tuple[list[list[int]], int, int]:
+        """Return (a, a E, ... a E^(n-1)) with E = sigma a, a bound on their norms and errors."""
+        found, size, n = [a], self.norm(a), len(a)
+        rows = self.rows(self.times_sigma(a))
+        shifted, largest = error + n * (1 + size), size
+        for _ in self.modulus[1:]:
+            error = self.product_error(size, shifted, largest, error)
+            found.append(self.applied(rows, found[-1]))
+            largest = max(largest, self.norm(found[-1]))
+        return found[:n], largest, error

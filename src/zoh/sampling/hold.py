@@ -68,10 +68,12 @@ def _held(
     bits, limit = plant.first_bits(), 0
     try:
         while True:
-            found = FixedResponse.of(plant, bits).sampled(lead)
+            found = FixedResponse.of(plant, bits).sampled(lead).forms()
             missing = found.missing_bits()
-            if missing == 0 or (missing is None and bits >= limit > 0):
+            if missing == 0:
                 return found.rounded(dt, m)
+            if missing is None and bits >= limit > 0:
+                return found.cleared().rounded(dt, m)
             limit = limit or bits + found.lost_bits() + _NOTHING
             bits = limit if missing is None else bits + missing
     except OverflowError:

@@ -1,15 +1,14 @@
 """A plant's step response at the samples: its differences and its poles, in whole numbers."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from decimal import Decimal
 from math import frexp
 from operator import mul
 
 from zoh.errors import SpecError
 from zoh.lti.digits import Exact
 from zoh.sampling import delta
-from zoh.sampling.delta import BothForms, Known
+from zoh.sampling.delta import InDelta
 from zoh.sampling.fixed import FixedRing, Ratio, fixed, log2_above
 
 _MOST_HALVINGS = 60  # of the exponential's argument: a mode 1e17 times faster than dt
@@ -25,6 +24,8 @@ class Scaled:
               to less than 1; then no root sigma is larger than 1
     gain      such that no coefficient of num in sigma is larger than 1
     dt        s
+    late      relative degree; zeros_at_one: of the zeros, those at z = 1 by structure
+    moving    number of poles that are not at s = 0
     """
 
     num: Sequence[Ratio]
@@ -32,19 +33,32 @@ class Scaled:
     rate: int
     gain: int
     dt: float
+    late: int
+    moving: int
+    zeros_at_one: int
 
     @classmethod
     def of(cls, num: Exact, den: Exact, sensor: float, dt: float) -> "Scaled":
         """Return sensor num/den in these units."""
-        unit = den[0].as_integer_ratio()
-        factor = Decimal(sensor).as_integer_ratio()
-        bottom = [_quotient(c.as_integer_ratio(), unit) for c in den]
-        top = [(0, 1)] * (len(den) - len(num))
-        top += [_quotient(_times(c.as_integer_ratio(), factor), unit) for c in num]
+        below, above = den[0].as_integer_ratio()
+        if below < 0:
+            below, above = -below, -above
+        bottom = [(a * above, b * below) for a, b in (c.as_integer_ratio() for c in den)]
+        factor, divisor = sensor.as_integer_ratio()
+        above, below, late = above * factor, below * divisor, len(den) - len(num)
+        top = [(a * above, b * below) for a, b in (c.as_integer_ratio() for c in num)]
         rates = [-(-log2_above(c) // i) + 1 for i, c in enumerate(bottom) if i and c[0]]
-        rate = max(rates, default=-frexp(dt)[1])
-        gain = max(log2_above(c) - rate * i for i, c in enumerate(top) if c[0])
-        return cls(num=top, den=bottom, rate=rate, gain=gain, dt=dt)
+        rate, k = max(rates, default=-frexp(dt)[1]), _at_origin(bottom)
+        return cls(
+            num=[(0, 1)] * late + top,
+            den=bottom,
+            rate=rate,
+            gain=max(log2_above(c) - rate * i for i, c in enumerate(top, late) if c[0]),
+            dt=dt,
+            late=late,
+            moving=len(den) - 1 - k,
+            zeros_at_one=min(_at_origin(top), k + 1),
+        )
 
     def in_units(self, seconds: Ratio) -> Ratio:
         """Return a time in units of T."""
@@ -73,34 +87,30 @@ class Scaled:
         of terms of order 1, and exp(-p dt) of a fast pole beside 1.
         """
         n, halvings = len(self.den) - 1, self.halvings()
-        slow = max(self.rate * i - log2_above(c) for i, c in enumerate(self.den) if c[0])
-        weak = max(self.rate * i - log2_above(c) for i, c in enumerate(self.num) if c[0])
-        late = next(i for i, c in enumerate(self.num) if c[0])
-        fast = min(3 * n << max(halvings, 0), _FAST) if halvings > 0 else -halvings * late
-        return 80 + 5 * n + max(slow, 0) + weak + self.gain + fast
-
-
-def _quotient(a: Ratio, b: Ratio) -> Ratio:
-    top, bottom = a[0] * b[1], a[1] * b[0]
-    return (top, bottom) if bottom > 0 else (-top, -bottom)
-
-
-def _times(a: Ratio, b: Ratio) -> Ratio:
-    return a[0] * b[0], a[1] * b[1]
+        finer = self.rate - max(halvings, 0)  # log2 of what is of order 1, in 1/s
+        slow = max(finer * i - log2_above(c) for i, c in enumerate(self.den) if c[0])
+        weak = max(finer * i - log2_above(c) for i, c in enumerate(self.num) if c[0])
+        if halvings <= 0 or not n:
+            fast = -halvings * self.late
+        else:  # the product of the poles in z is exp(-den_1 dt)
+            fast = 3 * halvings + max(3 * fixed(self.den[1], frexp(self.dt)[1] - 1), 0)
+        return 84 + n * (n + 5) + max(slow, 0) + max(weak + self.gain, 0) + min(fast, _FAST)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FixedResponse:
-    """The step response of a scaled plant as a functional on the ring modulo sigma den.
+    """The step response of a scaled plant, its slope a functional on the ring modulo den.
 
-    markov   its derivatives at 0+: what the functional gives for sigma^i
-    sums     power sums of the poles that are not at 0: the trace of sigma^i
+    start    h_0 = y(0+)
+    slopes   y's derivatives at 0+ from the first on: what the functional gives for sigma^i
+    sums     power sums of the poles from the first on: the trace of sigma^(i+1)
     error    bound on the error of each, in units of 2^-bits
     """
 
     plant: Scaled
     ring: FixedRing
-    markov: Sequence[int]
+    start: int
+    slopes: Sequence[int]
     sums: Sequence[int]
     error: int
 
@@ -108,78 +118,74 @@ class FixedResponse:
     def of(cls, plant: Scaled, bits: int) -> "FixedResponse":
         """Return the response with numbers of so many bits behind the point.
 
-        markov_i = num_i - sum_j den_j markov_{i-j} is i + 1 at most, a power sum n; each adds
-        n roundings times that to the errors of those before it, whose weights add up to 1.
+        y^(i) = num_i - sum_j den_j y^(i-j) is i + 1 at most, a power sum n; each adds n
+        roundings times that to the errors of those before it, whose weights add up to 1.
         """
         rate, n = plant.rate, len(plant.den) - 1
         den = [fixed(c, bits - rate * i) for i, c in enumerate(plant.den)]
-        markov: list[int] = []
+        slopes: list[int] = []
+        sums: list[int] = []
         for i, c in enumerate(plant.num):
-            tail = sum(map(mul, den[i:0:-1], markov)) >> bits
-            markov.append(fixed(c, bits - rate * i - plant.gain) - tail)
-        moving = n - _at_origin(plant.den)
-        sums = [moving << bits]
-        for j in range(1, n + 1):
-            known = sum(map(mul, den[min(j - 1, moving) : 0 : -1], sums[max(j - moving, 1) :]))
-            sums.append(-(j * den[j] if j <= moving else 0) - (known >> bits))
+            known = sum(map(mul, den[i:0:-1], slopes)) >> bits
+            slopes.append(fixed(c, bits - rate * i - plant.gain) - known)
+            if i:
+                known = sum(map(mul, den[i - 1 : 0 : -1], sums)) >> bits
+                sums.append(-i * den[i] - known)
         return cls(
             plant=plant,
-            ring=FixedRing(modulus=(0, *den[:0:-1]), bits=bits),
-            markov=markov,
+            ring=FixedRing(modulus=tuple(den[:0:-1]), bits=bits),
+            start=slopes[0],
+            slopes=slopes[1:],
             sums=sums,
             error=(n + 1) * (n * n + 2 * n + 3),
         )
 
-    def sampled(self, lead: Ratio) -> BothForms:
+    def sampled(self, lead: Ratio) -> InDelta:
         """Return the plant held, the first sample of its response taken at ``lead`` s.
 
-        In units of 2^-scale, delta = exp(sigma dt/T) - 1 is of order 1 at a small dt too.
+        In units of 2^-scale, delta = exp(sigma dt/T) - 1 is of order 1 at a small dt too. With
+        P = delta/sigma the slope's functional gives the differences of y for P delta^(i-1), and
+        the trace of sigma P delta^(i-1) is the sum of the i-th powers of the poles.
         """
         plant, ring, bits = self.plant, self.ring, self.ring.bits
-        n, k = len(plant.den) - 1, _at_origin(plant.den)
-        halvings = plant.halvings()
-        halvings, scale = max(halvings, 0), max(1 - halvings, 0)
+        halvings, scale = max(plant.halvings(), 0), max(1 - plant.halvings(), 0)
+        start, slopes, error = self.start, self.slopes, self.error
+        if lead[0]:
+            start, slopes, error = self._at(*ring.growth(plant.in_units(lead), halvings, 0))
         step = ring.growth(plant.in_units(plant.dt.as_integer_ratio()), halvings, scale)
-        functional = self._late(ring.growth(plant.in_units(lead), halvings, 0)) if lead[0] else (
-            Known(values=self.markov, errors=[self.error] * (n + 1))
+        powers, size, power_error = ring.powers(*step)
+        differences = [start, *(sum(map(mul, slopes, p)) >> bits for p in powers)]
+        sums = [sum(map(mul, self.sums, p)) >> bits for p in powers[: plant.moving]]
+        n = len(powers)
+        error = (ring.norm(slopes) + error) * power_error + size * error + 2
+        sums_error = (n * n + self.error) * power_error + size * self.error + 2
+        den, den_error = delta.from_power_sums(sums, sums_error, bits)
+        den += [0] * (n - plant.moving)
+        num, num_error = delta.product(den, den_error, differences, error, bits)
+        last = n - plant.zeros_at_one
+        return InDelta(
+            num=[*num[: last + 1], *[0] * plant.zeros_at_one], den=den, num_error=num_error,
+            den_error=den_error, first=0 if lead[0] else plant.late, last=last,
+            at_one=n - plant.moving, scale=scale, gain=plant.gain, bits=bits,
         )  # fmt: skip
-        traces = Known(values=self.sums, errors=[self.error] * (n + 1))
-        differences, sums = [(functional.values[0] << bits, functional.errors[0] << bits)], []
-        for power in self._powers(*step):
-            differences.append(functional.dot(power))
-            sums.append(traces.dot(power))
-        den = delta.from_power_sums(_fixed(sums[: n - k], bits), bits).padded(k)
-        num = delta.product(den, _fixed(differences, bits), bits)
-        return BothForms.of(
-            num.ending_in_zeros(min(_at_origin(plant.num), k + 1)), den, bits, scale, plant.gain
-        )
 
-    def _powers(self, a: list[int], error: int) -> Iterator[Known]:
-        """Yield a, a^2 ... a^n with the error of each in every coefficient."""
-        ring, size = self.ring, self.ring.norm(a)
-        power, power_error, rows = a, error, ring.rows(a)
-        for i in range(len(a) - 1):
-            if i:
-                power_error = ring.product_error(size, error, ring.norm(power), power_error)
-                power = ring.applied(rows, power)
-            yield Known(values=power, errors=[power_error] * len(a))
+    def _at(self, growth: list[int], error: int) -> tuple[int, list[int], int]:
+        """Return (y, y's derivatives, their error) at a later time t, given (exp(t sigma) - 1)/sigma.
 
-    def _late(self, growth: tuple[list[int], int]) -> Known:
-        """Return the derivatives at a later time: sigma^i exp(sigma t) for sigma^i."""
-        ring, (element, error) = self.ring, growth
-        element = [element[0] + (1 << ring.bits), *element[1:]]
-        markov = Known(values=self.markov, errors=[self.error] * len(element))
-        rounding = len(element) * (1 + ring.norm(element))
+        The functional's value for x exp(t sigma), x = 1, sigma ..., is the derivative then.
+        """
+        ring, bits, n = self.ring, self.ring.bits, len(growth)
+        size, size_slopes = ring.norm(growth), ring.norm(self.slopes)
+        start = self.start + (sum(map(mul, self.slopes, growth)) >> bits)
+        element = ring.times_sigma(growth)
+        if element:
+            element[0] += 1 << bits
         found = []
-        for _ in element:
-            found.append(markov.dot(Known(values=element, errors=[error] * len(element))))
-            element, error = ring.times_sigma(element), error + rounding
-        return _fixed(found, ring.bits)
-
-
-def _fixed(dots: Sequence[tuple[int, int]], bits: int) -> Known:
-    """Return products in units of 2^-2 bits in units of 2^-bits."""
-    return Known(values=[v >> bits for v, _ in dots], errors=[(e >> bits) + 2 for _, e in dots])
+        for _ in growth:
+            found.append(sum(map(mul, self.slopes, element)) >> bits)
+            element = ring.times_sigma(element)
+        error += (n + 1) * n * (2 + size)
+        return start, found, (size_slopes + self.error) * error + (size + 1) * self.error + 2
 
 
 def _at_origin(a: Sequence[Ratio]) -> int:
