@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from fractions import Fraction
 
 Exact = tuple[Decimal, ...]
+Whole = tuple[list[int], int]  # whole numbers, and the one number that divides them all
 
 KEPT = 120  # digits kept of a coefficient that is not a float, such as a product of poles
 _ZERO = Decimal(0)
@@ -47,6 +48,17 @@ def exact(values: "Sequence[float | Fraction]") -> Exact:
 def rounded(a: Sequence[Decimal]) -> tuple[float, ...]:
     """Return the nearest floats."""
     return tuple(float(c) for c in a)
+
+
+def whole(a: Sequence[float]) -> Whole:
+    """Return floats as whole numbers over one power of two, exactly.
+
+    >>> whole([0.5, -3.0])
+    ([1, -6], 2)
+    """
+    ratios = [float(c).as_integer_ratio() for c in a]
+    unit = max([bottom for _, bottom in ratios])
+    return [top * (unit // bottom) for top, bottom in ratios], unit
 
 
 def times(a: Sequence[Decimal], b: Sequence[Decimal]) -> Exact:

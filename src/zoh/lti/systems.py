@@ -1,5 +1,7 @@
 """Plant (continuous) and Sampled (dt): two types that never mix."""
 
+import cmath
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, overload
@@ -176,8 +178,8 @@ class Sampled:
         put(self, "dt", sample_time(self.dt))
         check_fraction(self.num, self.den, "z")
         n = len(self.den) - 1
-        put(self, "num_w", digits.rounded(z_to_w(self.num, self.dt, n)))
-        put(self, "den_w", digits.rounded(z_to_w(self.den, self.dt, n)))
+        put(self, "num_w", _floats(*z_to_w(self.num, self.dt, n)))
+        put(self, "den_w", _floats(*z_to_w(self.den, self.dt, n)))
         put(self, "delay", 0)
 
     @classmethod
@@ -209,15 +211,13 @@ class Sampled:
         if delay < 0 or delay != int(delay):
             raise SpecError("delay", "must be whole samples, 0 or more", delay, "count samples")
         n = max(len(num_w), len(den_w)) - 1
-        top, bottom = w_to_z(num_w, dt, n), w_to_z(den_w, dt, n)
+        (top, top_unit), (bottom, unit) = w_to_z(num_w, dt, n), w_to_z(den_w, dt, n)
         if not any(bottom):
             raise SpecError("den_w", "must not be all zeros", list(den_w), "give one coefficient")
-        with digits.precision(digits.KEPT):
-            lead = next(c for c in bottom if c)
-            num, den = (digits.rounded([c / lead for c in a]) for a in (top, bottom))
+        lead = next(c for c in bottom if c)
         return cls.made(
-            num=num,
-            den=den + (0.0,) * delay,
+            num=_floats([c * unit for c in top], top_unit * lead),
+            den=_floats(bottom, lead) + (0.0,) * delay,
             dt=dt,
             num_w=poly.padded(num_w, n + 1),
             den_w=poly.padded(den_w, n + 1),
@@ -234,6 +234,8 @@ class Sampled:
         >>> abs(Sampled(num=[1], den=[1, -1], dt=1.0).at(np.pi) + 0.5) < 1e-15
         True
         """
+        if isinstance(wc, float) and math.isfinite(wc):
+            return self._at(wc)
         w = checks.frequencies("wc", wc)
         sin, cos = 2 / self.dt * np.sin(w * self.dt / 2), np.cos(w * self.dt / 2)
         size = np.hypot(sin, cos)
@@ -241,6 +243,17 @@ class Sampled:
         top = poly.homogeneous(self.num_w, x, y) * np.exp(-1j * w * self.dt * self.delay)
         value = _quotient(top, poly.homogeneous(self.den_w, x, y))
         return complex(value) if w.ndim == 0 else value
+
+    def _at(self, wc: float) -> complex:
+        """Return what ``at`` does, for one number."""
+        sin, cos = 2 / self.dt * math.sin(wc * self.dt / 2), math.cos(wc * self.dt / 2)
+        size = math.hypot(sin, cos)
+        x, y = complex(0.0, sin / size), cos / size
+        bottom = poly.homogeneous(self.den_w, x, y)
+        if bottom == 0:
+            return complex(math.inf, 0.0)
+        late = cmath.exp(complex(0.0, -wc * self.dt * self.delay)) if self.delay else 1.0
+        return complex(poly.homogeneous(self.num_w, x, y) * late / bottom)
 
     def __mul__(self, other: "Sampled") -> "Sampled":
         """Return the two in series; both must have the same dt."""
@@ -274,6 +287,19 @@ class Sampled:
 def sample_time(dt: object) -> float:
     """Return dt in s, or raise SpecError unless it is positive and finite."""
     return checks.positive("dt", dt, "give the sample time in seconds")
+
+
+def _floats(values: Sequence[int], unit: int) -> Poly:
+    """Return values over unit, each the nearest float."""
+    try:
+        return tuple([c / unit for c in values])
+    except OverflowError:
+        raise SpecError(
+            "coefficients",
+            "must be within a 64-bit float's range in z and in w",
+            "beyond 1e308",
+            "count time in another unit",
+        ) from None
 
 
 def _in_z(a_w: Poly, dt: float) -> ComplexArray:

@@ -31,7 +31,7 @@ def from_power_sums(sums: Sequence[int], error: int, bits: int) -> tuple[list[in
     The error is a bound for each coefficient; all is in units of 2^-bits.
 
     >>> from_power_sums([3 << 9, 5 << 9], 0, 9)
-    ([512, -1536, 1024], 2)
+    ([512, -1536, 1024], 12)
     """
     values, error_here = [1 << bits], 0
     size, size_sums = 1, 0
@@ -131,9 +131,7 @@ class InDelta:
             for table in tables:
                 found.append([sum(map(mul, row, values)) for row in table])
                 errors.append([error * size for size in _sizes(table, first, last)])
-        return Forms(
-            values=found, errors=errors, bits=self.bits + self.scale * n, gain=self.gain
-        )
+        return Forms(values=found, errors=errors, bits=self.bits + self.scale * n, gain=self.gain)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -170,7 +170,7 @@ class FixedResponse:
         )  # fmt: skip
 
     def _at(self, growth: list[int], error: int) -> tuple[int, list[int], int]:
-        """Return (y, y's derivatives, their error) at a later time t, given (exp(t sigma) - 1)/sigma.
+        """Return (y, its derivatives, their error) at a later t; growth = (exp(t sigma) - 1)/sigma.
 
         The functional's value for x exp(t sigma), x = 1, sigma ..., is the derivative then.
         """
