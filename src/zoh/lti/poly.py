@@ -15,6 +15,7 @@ from zoh.errors import SpecError
 from zoh.lti.digits import whole
 
 Poly = tuple[float, ...]
+ComplexArray = npt.NDArray[np.complex128]
 
 
 def trim(a: Iterable[float]) -> Poly:
@@ -55,6 +56,16 @@ def homogeneous(a: Sequence[float], x: Any, y: Any) -> Any:
     return value
 
 
+def quotient(top: Any, bottom: Any) -> Any:
+    """Return top/bottom of arrays, infinite where bottom is 0.
+
+    >>> quotient(np.array([1.0, 1.0]), np.array([2.0, 0.0]))
+    array([0.5+0.j, inf+0.j])
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(bottom == 0, complex(np.inf, 0), top / np.where(bottom == 0, 1, bottom))
+
+
 def times(a: Sequence[float], b: Sequence[float]) -> Poly:
     """Return the product a b.
 
@@ -93,7 +104,7 @@ def derivative(a: Sequence[float]) -> Poly:
     return tuple(c * (n - i) for i, c in enumerate(a[:-1])) or (0.0,)
 
 
-def roots(a: Sequence[float]) -> npt.NDArray[np.complex128]:
+def roots(a: Sequence[float]) -> ComplexArray:
     """Return the roots of ``a``, those at zero exact; the empty array for a constant.
 
     The variable is scaled so that the first and last coefficients match before the companion
