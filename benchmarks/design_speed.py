@@ -1,49 +1,117 @@
-"""One fully verified PID design of the robot arm, beside python-control measuring the same loop.
+"""Fully verified designs, each beside python-control measuring the same loop in the same run.
 
 zoh: sample, solve, every margin, Ms, Mt, disk margin, step metrics at and between the samples,
-peak effort. python-control: c2d, margins, step_info and the effort's response; it solves nothing.
-The two take turns in one process; the figure is the ratio of the medians.
+peak effort. python-control: c2d, stability_margins, step_info and the effort's response; it
+solves nothing, knows no sample of a fraction (it is given ours), and looks at no time between.
+The two take turns in one process. No two repeats have the same plant, so that nothing kept from
+one can help the next. Printed: medians and least times in ms, and the ratio of the medians.
+
+    python -m benchmarks.design_speed --repeats 30 --limit-ratio 20 --limit-ms 1.0
+
+exits 1 where a ratio is below the one limit or the least time of the arm's PID above the other;
+the ratio holds on any machine, the time on the one that it was chosen for.
 """
 
+import argparse
 import statistics
+import sys
 import time
 import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import control
 import numpy as np
 
 import zoh
 
-ARM = zoh.Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
-GAINS = [81.31498772131907, -139.1116197065679, 57.88163198524884]
+
+@dataclass(frozen=True)
+class Case:
+    """A design whose plant moves a little with each repeat: x in [0.9, 1.1] is its first pole."""
+
+    name: str
+    den: Callable[[float], list[float]]
+    law: Callable[..., zoh.Verified]
+    asked: dict[str, float]
+    compute_delay: float = 0.0
+
+    def plant(self, x: float) -> zoh.Plant:
+        return zoh.Plant(num=[2.3], den=self.den(x), sensor=12 / 180)
+
+    def designed(self, plant: zoh.Plant) -> zoh.Verified:
+        return self.law(plant, dt=0.1, compute_delay=self.compute_delay, **self.asked)
 
 
-def by_zoh() -> object:
-    return zoh.pid(ARM, dt=0.1, wc=1.95, pm_deg=40, ki=0.85)
+def arm(x: float) -> list[float]:
+    return [1, 0.7809 * x, 0]
 
 
-def by_control() -> object:
-    plant = control.c2d(control.tf([2.3 * 12 / 180], [1, 0.7809, 0]), 0.1, "zoh")
-    law = control.tf(GAINS, [1, -1, 0], 0.1)
-    margins = control.stability_margins(law * plant)
-    info = control.step_info(control.feedback(law * plant, 1))
-    effort = control.step_response(control.feedback(law, plant), T=np.arange(0, 30, 0.1))
+def slow_motor_and_filter(x: float) -> list[float]:
+    return np.poly([0, -0.7809 * x, -20, -30]).tolist()
+
+
+CASES = [
+    Case("PID, arm", arm, zoh.pid, {"wc": 1.95, "pm_deg": 40, "ki": 0.85}),
+    Case("lag, arm", arm, zoh.lag, {"wc": 0.6, "pm_deg": 40, "dc_gain": 10}),
+    Case("PI, arm, compute delay 0.3 dt", arm, zoh.pi, {"wc": 0.6, "pm_deg": 40}, 0.03),
+    Case("PD, order 4", slow_motor_and_filter, zoh.pd, {"wc": 1.2, "pm_deg": 60}),
+]
+
+
+def measured(case: Case, plant: zoh.Plant, design: zoh.Verified) -> object:
+    """Return what python-control says about the loop of this design."""
+    if case.compute_delay:
+        held = zoh.sample(plant, 0.1, case.compute_delay)
+        sampled = control.tf(held.num, held.den, 0.1)
+    else:
+        continuous = control.tf(np.multiply(plant.num, plant.sensor), plant.den)
+        sampled = control.c2d(continuous, 0.1, "zoh")
+    law = control.tf(design.controller.num, design.controller.den, 0.1)
+    margins = control.stability_margins(law * sampled)
+    info = control.step_info(control.feedback(law * sampled, 1))
+    effort = control.step_response(control.feedback(law, sampled), T=np.arange(0, 30, 0.1))
     return margins, info, effort
 
 
-def main() -> None:
-    warnings.simplefilter("ignore")
+def timed(work: Callable[[], object]) -> tuple[float, object]:
+    start = time.perf_counter()
+    result = work()
+    return (time.perf_counter() - start) * 1e3, result
+
+
+def compared(case: Case, repeats: int) -> tuple[list[float], list[float]]:
+    """Return the times in ms of zoh and of python-control, taken in turns."""
     ours, theirs = [], []
-    for _ in range(30):
-        for work, times in ((by_zoh, ours), (by_control, theirs)):
-            start = time.perf_counter()
-            work()
-            times.append(time.perf_counter() - start)
-    one, other = statistics.median(ours), statistics.median(theirs)
-    print(f"zoh {zoh.__version__}, design and verification   {one * 1e3:8.2f} ms")
-    print(f"python-control {control.__version__}, the loop measured {other * 1e3:8.2f} ms")
-    print(f"ratio {other / one:.1f}")
+    for x in np.linspace(0.9, 1.1, repeats + 1).tolist():
+        plant = case.plant(x)
+        mine, design = timed(lambda plant=plant: case.designed(plant))
+        other, _ = timed(lambda p=plant, d=design: measured(case, p, d))
+        ours.append(mine)
+        theirs.append(other)
+    return ours[1:], theirs[1:]  # the first pays for imports and tables
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--repeats", type=int, default=30)
+    parser.add_argument("--limit-ratio", type=float, default=0.0, help="least ratio of medians")
+    parser.add_argument("--limit-ms", type=float, default=float("inf"), help="of the arm's PID")
+    limits = parser.parse_args()
+    warnings.simplefilter("ignore")
+    print(f"ms: zoh {zoh.__version__} designs and verifies; python-control "
+          f"{control.__version__} measures")  # fmt: skip
+    print(f"{'':32}{'zoh':>10}{'least':>8}{'control':>10}{'least':>8}{'ratio':>8}")
+    within = True
+    for case in CASES:
+        ours, theirs = compared(case, limits.repeats)
+        one, other = statistics.median(ours), statistics.median(theirs)
+        print(f"{case.name:32}{one:10.2f}{min(ours):8.2f}{other:10.2f}{min(theirs):8.2f}"
+              f"{other / one:8.1f}")  # fmt: skip
+        within &= other / one >= limits.limit_ratio
+        within &= case is not CASES[0] or min(ours) <= limits.limit_ms
+    return 0 if within else 1
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -43,7 +43,9 @@ The ordinary regime is the row `robot PID, 0.03-0.3 s`. {small} loops are sample
 and given as z-coefficients, which is hard for everybody; totals depend on that mix, so read them by
 class. python-control is a general library; that SciPy has margins at all is our own hand-written
 grid of 2000 points, not SciPy's. Margins of several crossings: the gain nearest 1 in log, the phase
-smallest in magnitude, as python-control and zoh both take them.
+smallest in magnitude, as python-control and zoh both take them; Octave has another rule, and any
+true one is right there. Its `margin` gives one crossing of each kind, so none is missed or
+invented, and Ms is asked of it where it finds the loop stable.
 
 ## Margins
 """

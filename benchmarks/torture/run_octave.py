@@ -1,13 +1,17 @@
-"""GNU Octave with its control package: ``margin`` and ``isstable``, all loops in one process.
+"""GNU Octave with its control package: ``margin``, ``isstable``, ``sensitivity``, in one process.
 
-Only where ``octave`` is installed. It is handed the z- or s-coefficients; a loop from parameters
-is sampled by its own ``c2d``. It says nothing of single crossings or of Ms.
+Only where ``octave-cli`` is installed. It is handed the z- or s-coefficients; a loop from
+parameters is sampled by its own ``c2d``. ``margin`` gives one crossing of each kind, chosen by a
+rule of its own, so any true one is right and missed ones are not asked of it. Where it found no
+gain crossing it prints 180 deg at a frequency of NaN; that is taken as "none", which is right for a
+loop that has none. Ms is asked of the loops it calls stable: of others it says infinity.
 """
 
 import os
 import shutil
 import subprocess
 import tempfile
+from math import isnan
 from pathlib import Path
 
 from benchmarks.torture.loops import Spec
@@ -17,8 +21,16 @@ _PRELUDE = """pkg load control
 warning('off', 'all');
 function said(i, L)
   try
-    [gm, pm] = margin(L);
-    printf('%d %.17g %.17g %d\\n', i, gm, pm, isstable(feedback(L, 1)));
+    [gm, pm, ~, w] = margin(L);
+    if isnan(w)
+      pm = Inf;
+    end
+    stable = isstable(feedback(L, 1));
+    ms = NaN;
+    if stable
+      ms = sensitivity(L);
+    end
+    printf('%d %.17g %.17g %d %.17g\\n', i, gm, pm, stable, ms);
   catch e
     printf('%d error %s\\n', i, strrep(e.message, "\\n", ' '));
   end_try_catch
@@ -28,7 +40,7 @@ v = ver('control'); printf('version Octave %s, control %s\\n', OCTAVE_VERSION, v
 
 
 def installed() -> bool:
-    return shutil.which("octave") is not None
+    return shutil.which("octave-cli") is not None
 
 
 def answers(specs: list[Spec]) -> tuple[str, list[Answer]]:
@@ -40,7 +52,7 @@ def answers(specs: list[Spec]) -> tuple[str, list[Answer]]:
         path = Path(folder) / "loops.m"
         path.write_text("\n".join(script))
         run = subprocess.run(
-            ["octave", "--no-gui", "--no-window-system", "--quiet", str(path)],
+            ["octave-cli", "--quiet", "--no-history", str(path)],
             capture_output=True, text=True, check=False, env={**os.environ, "HOME": folder},
         )  # fmt: skip
     version, said = "Octave", dict.fromkeys(found, Answer(error="no answer"))
@@ -57,8 +69,11 @@ def answers(specs: list[Spec]) -> tuple[str, list[Answer]]:
 def _read(rest: str) -> Answer:
     if rest.startswith("error"):
         return Answer(error=rest)
-    gm, pm, stable = rest.split()
-    return Answer(gm=float(gm), pm_deg=float(pm), stable=stable == "1")
+    gm, pm, stable, ms = rest.split()
+    return Answer(
+        gm=float(gm), pm_deg=float(pm), stable=stable == "1", own_choice=True,
+        ms=None if isnan(float(ms)) else float(ms),
+    )  # fmt: skip
 
 
 def _cannot(spec: Spec) -> str | None:

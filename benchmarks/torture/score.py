@@ -26,7 +26,8 @@ class Answer:
     """What a tool said of a loop; None where it does not answer that question.
 
     gm and pm_deg are inf where the tool says that there is none; ``cannot`` names what kept it
-    from trying at all (dead time that it does not know), ``error`` an exception.
+    from trying at all (dead time that it does not know), ``error`` an exception; ``own_choice``:
+    of several crossings it reports the margin of one by a rule that is not the suite's.
     """
 
     stable: bool | None = None
@@ -40,6 +41,7 @@ class Answer:
     delay: float | None = None
     cannot: str | None = None
     error: str | None = None
+    own_choice: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,10 +69,10 @@ def faults(spec: Spec, truth: dict[str, Any], said: Answer, by: Measure) -> froz
     if said.stable is not None and "stable" not in truth["doubt"]:
         found |= {"stable"} if said.stable != truth["stable"] else set()
     for name, value, goals, near, tolerance in (
-        ("GM", said.gm, true.gain_margins() | true.excused("phases", said.phases), _close,
-         by.relative),
-        ("PM", said.pm_deg, true.phase_margins() | true.excused("gains", said.gains), _turned,
-         by.pm_deg),
+        ("GM", said.gm, true.gain_margins(said.own_choice) | true.excused("phases", said.phases),
+         _close, by.relative),
+        ("PM", said.pm_deg, true.phase_margins(said.own_choice)
+         | true.excused("gains", said.gains), _turned, by.pm_deg),
     ):  # fmt: skip
         if value is not None and not any(near(value, goal, tolerance) for goal in goals):
             found.add(name)
@@ -145,14 +147,16 @@ class _Truth:
         """Return the margins at a tool's crossings that are in doubt: no value there is wrong."""
         return {c[1] for c in given or () if self.in_doubt(kind, c)}
 
-    def gain_margins(self) -> set[float]:
-        return {
+    def gain_margins(self, any_one: bool) -> set[float]:
+        found = {
             min((k for _, k in c), key=lambda k: abs(log(k)), default=inf)
             for c in self.choices("phases")
         }
+        return found | {k for _, k in self.sure["phases"] if any_one}
 
-    def phase_margins(self) -> set[float]:
-        return {min((pm for _, pm in c), key=abs, default=inf) for c in self.choices("gains")}
+    def phase_margins(self, any_one: bool) -> set[float]:
+        found = {min((pm for _, pm in c), key=abs, default=inf) for c in self.choices("gains")}
+        return found | {pm for _, pm in self.sure["gains"] if any_one}
 
     def delays(self) -> set[float]:
         """Return the delay margins; a gain that stays above 1 for ever bears no delay at all."""

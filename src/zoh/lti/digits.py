@@ -8,13 +8,15 @@ exactly and leaves correctly rounded.
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal, localcontext
-from math import frexp
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
     from fractions import Fraction
 
 Exact = tuple[Decimal, ...]
+Whole = tuple[list[int], int]  # whole numbers, and the one number that divides them all
+
+Number = TypeVar("Number", int, Decimal)
 
 KEPT = 120  # digits kept of a coefficient that is not a float, such as a product of poles
 _ZERO = Decimal(0)
@@ -49,9 +51,20 @@ def rounded(a: Sequence[Decimal]) -> tuple[float, ...]:
     return tuple(float(c) for c in a)
 
 
-def times(a: Sequence[Decimal], b: Sequence[Decimal]) -> Exact:
-    """Return the product a b in the current precision."""
-    out = [_ZERO] * (len(a) + len(b) - 1)
+def whole(a: Sequence[float]) -> Whole:
+    """Return floats as whole numbers over one power of two, exactly.
+
+    >>> whole([0.5, -3.0])
+    ([1, -6], 2)
+    """
+    ratios = [float(c).as_integer_ratio() for c in a]
+    unit = max([bottom for _, bottom in ratios])
+    return [top * (unit // bottom) for top, bottom in ratios], unit
+
+
+def times(a: Sequence[Number], b: Sequence[Number]) -> tuple[Number, ...]:
+    """Return the product a b, of decimals in the current precision, of whole numbers exactly."""
+    out = [a[0] * 0] * (len(a) + len(b) - 1)
     for i, x in enumerate(a):
         if x:
             for j, y in enumerate(b):
@@ -84,15 +97,34 @@ def from_roots(roots: Sequence[complex]) -> Exact:
     >>> rounded(from_roots([-1.0, -0.5 + 2j, -0.5 - 2j]))
     (1.0, 2.0, 5.25, 4.25)
     """
+    shift = common_shift([x for r in roots for x in (complex(r).real, complex(r).imag)])
+    return over_powers(monic(roots, shift), shift)
+
+
+def over_powers(values: Sequence[int], shift: int, first: int = 0) -> Exact:
+    """Return values[k] 2**-(first + shift k), to ``KEPT`` digits.
+
+    >>> over_powers([1, 3, 5], 1)
+    (Decimal('1'), Decimal('1.5'), Decimal('1.25'))
+    """
     with precision(KEPT):
-        product: Exact = (Decimal(1),)
-        for r in roots:
-            re, im = Decimal(complex(r).real), Decimal(complex(r).imag)
-            if im > 0:
-                product = times(product, (Decimal(1), -2 * re, re * re + im * im))
-            elif not im:
-                product = times(product, (Decimal(1), -re))
-        return product
+        return tuple(Decimal(c) / (1 << first + shift * k) for k, c in enumerate(values))
+
+
+def monic(roots: Sequence[complex], shift: int) -> tuple[int, ...]:
+    """Return the monic polynomial of the roots times 2**shift, which makes them whole.
+
+    >>> monic([0.5, 1j, -1j], 1)
+    (1, -1, 4, -4)
+    """
+    product: tuple[int, ...] = (1,)
+    for r in map(complex, roots):
+        re, im = scaled(r.real, shift), scaled(r.imag, shift)
+        if im > 0:
+            product = times(product, [1, -2 * re, re * re + im * im])
+        elif not im:
+            product = times(product, [1, -re])
+    return product
 
 
 def state_space(
@@ -109,33 +141,39 @@ def state_space(
     ((0.0, 0.0, 1.0), (1.0, 3.0, 2.0))
     """
     n = len(a)
-    shift = _common_shift([x for row in a for x in row])
-    whole = [[_scaled(x, shift) for x in row] for row in a]
-    shift_bc = _common_shift([*b, *c])
-    col, row = [_scaled(x, shift_bc) for x in b], [_scaled(x, shift_bc) for x in c]
+    shift = common_shift([x for row in a for x in row])
+    whole = [[scaled(x, shift) for x in row] for row in a]
+    shift_bc = common_shift([*b, *c])
+    col, row = [scaled(x, shift_bc) for x in b], [scaled(x, shift_bc) for x in c]
     m = [[int(i == j) for j in range(n)] for i in range(n)]
-    den, markov = [1], []
+    g = max(2 * shift_bc, common_shift([d]))
+    direct = scaled(d, g)
+    num, den = [direct], [1]
     for k in range(1, n + 1):
-        markov.append(sum(row[i] * sum(m[i][j] * col[j] for j in range(n)) for i in range(n)))
+        markov = sum(row[i] * sum(m[i][j] * col[j] for j in range(n)) for i in range(n))
         m = [[sum(whole[i][h] * m[h][j] for h in range(n)) for j in range(n)] for i in range(n)]
         coefficient = -sum(m[i][i] for i in range(n)) // k
+        num.append(direct * coefficient + (markov << shift + g - 2 * shift_bc))
         den.append(coefficient)
         for i in range(n):
             m[i][i] += coefficient
-    with precision(KEPT):
-        unit = Decimal(2) ** shift
-        monic = tuple(Decimal(x) / unit**k for k, x in enumerate(den))
-        strictly = [Decimal(x) / unit**k / 4**shift_bc for k, x in enumerate(markov)]
-        num = plus([Decimal(d) * x for x in monic], [_ZERO, *strictly])
-        return num, monic
+    return over_powers(num, shift, g), over_powers(den, shift)
 
 
-def _common_shift(values: Sequence[float]) -> int:
-    """Return s so that every value times 2**s is whole."""
-    return max((53 - frexp(x)[1] for x in values if x), default=0)
+def common_shift(values: Sequence[float]) -> int:
+    """Return s, 0 or more, so that every value times 2**s is whole.
+
+    >>> common_shift([0.5, 3.0, 0.375])
+    3
+    """
+    return max((float(x).as_integer_ratio()[1].bit_length() - 1 for x in values), default=0)
 
 
-def _scaled(x: float, shift: int) -> int:
-    """Return x 2**shift as a whole number; shift comes from ``_common_shift``."""
-    top, bottom = x.as_integer_ratio()
-    return (top << shift) // bottom if shift >= 0 else top // (bottom << -shift)
+def scaled(x: float, shift: int) -> int:
+    """Return x 2**shift as a whole number; shift comes from ``common_shift``.
+
+    >>> scaled(0.375, 3)
+    3
+    """
+    top, bottom = float(x).as_integer_ratio()
+    return (top << shift) // bottom

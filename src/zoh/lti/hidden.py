@@ -9,8 +9,9 @@ from fractions import Fraction
 import numpy as np
 
 from zoh.lti import poly
+from zoh.lti.poly import ComplexArray
 from zoh.lti.rational import Unreadable, common
-from zoh.lti.systems import ComplexArray, Plant
+from zoh.lti.systems import Plant
 
 
 def hidden_modes(plant: Plant) -> ComplexArray:

@@ -4,15 +4,18 @@ The zero polynomial is ``(0.0,)``. Nothing here knows what a frequency is.
 """
 
 from collections.abc import Iterable, Sequence
-from math import floor, frexp, ldexp, log2
+from math import floor, frexp, isqrt, ldexp, log2
+from operator import mul
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from zoh.errors import SpecError
+from zoh.lti.digits import whole
 
 Poly = tuple[float, ...]
+ComplexArray = npt.NDArray[np.complex128]
 
 
 def trim(a: Iterable[float]) -> Poly:
@@ -53,13 +56,27 @@ def homogeneous(a: Sequence[float], x: Any, y: Any) -> Any:
     return value
 
 
+def quotient(top: Any, bottom: Any) -> Any:
+    """Return top/bottom of arrays, infinite where bottom is 0.
+
+    >>> quotient(np.array([1.0, 1.0]), np.array([2.0, 0.0]))
+    array([0.5+0.j, inf+0.j])
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(bottom == 0, complex(np.inf, 0), top / np.where(bottom == 0, 1, bottom))
+
+
 def times(a: Sequence[float], b: Sequence[float]) -> Poly:
     """Return the product a b.
 
     >>> times((1.0, 1.0), (1.0, -1.0))
     (1.0, 0.0, -1.0)
     """
-    return tuple(np.convolve(a, b).tolist())
+    if len(a) < len(b):
+        a, b = b, a
+    n, zeros = len(a) - 1, (0.0,) * (len(b) - 1)
+    rows, backwards = (*zeros, *a, *zeros), b[::-1]
+    return tuple([sum(map(mul, rows[i:], backwards)) for i in range(n + len(b))])
 
 
 def plus(a: Sequence[float], b: Sequence[float], sign: float = 1.0) -> Poly:
@@ -87,7 +104,7 @@ def derivative(a: Sequence[float]) -> Poly:
     return tuple(c * (n - i) for i, c in enumerate(a[:-1])) or (0.0,)
 
 
-def roots(a: Sequence[float]) -> npt.NDArray[np.complex128]:
+def roots(a: Sequence[float]) -> ComplexArray:
     """Return the roots of ``a``, those at zero exact; the empty array for a constant.
 
     The variable is scaled so that the first and last coefficients match before the companion
@@ -104,13 +121,8 @@ def roots(a: Sequence[float]) -> npt.NDArray[np.complex128]:
     n = len(a) - 1
     if n < 1:
         return np.zeros(zeros_at_origin, complex)
-    if n == 1:
-        return np.array([-a[1] / a[0], *[0.0] * zeros_at_origin], complex)
-    scale = (log2(abs(a[-1])) - log2(abs(a[0]))) / n
-    companion = np.eye(n, k=-1)
     try:
-        companion[0] = [-_ratio(c, a[0], -i * scale) for i, c in enumerate(a) if i]
-        found = np.linalg.eigvals(companion).astype(complex) * 2.0**scale
+        found = _line(a) if n == 1 else _parabola(a) if n == 2 else _companion(a)
     except (OverflowError, ValueError):  # too large for a float, or made of such
         raise SpecError(
             "coefficients",
@@ -118,7 +130,37 @@ def roots(a: Sequence[float]) -> npt.NDArray[np.complex128]:
             list(a),
             "count time in another unit, or reduce the model",
         ) from None
-    return np.concatenate([found, np.zeros(zeros_at_origin)])
+    return np.array([*found, *[0.0] * zeros_at_origin], complex)
+
+
+def _line(a: Poly) -> list[complex]:
+    return [complex(-a[1] / a[0])]
+
+
+def _parabola(a: Poly) -> list[complex]:
+    """Return the roots of a parabola, each as a float next to it.
+
+    The discriminant is taken in whole numbers and its root to 64 bits beyond the point, and of
+    two real roots the one that is a difference comes from the product of both.
+    """
+    (a0, a1, a2), _ = whole(a)
+    inside = a1 * a1 - 4 * a0 * a2
+    more = max(64, 192 - inside.bit_length()) // 2
+    root = isqrt(abs(inside) << 2 * more)
+    if inside < 0:
+        re, im = -a1 / (2 * a0), root / (abs(2 * a0) << more)
+        return [complex(re, im), complex(re, -im)]
+    far = -(a1 << more) - (root if a1 > 0 else -root)
+    return [complex(far / (a0 << more + 1)), complex((a2 << more + 1) / far)]
+
+
+def _companion(a: Poly) -> list[complex]:
+    n = len(a) - 1
+    scale = (log2(abs(a[-1])) - log2(abs(a[0]))) / n
+    companion = np.eye(n, k=-1)
+    companion[0] = [-_ratio(c, a[0], -i * scale) for i, c in enumerate(a) if i]
+    roots: list[complex] = (np.linalg.eigvals(companion).astype(complex) * 2.0**scale).tolist()
+    return roots
 
 
 def _ratio(x: float, y: float, log2_factor: float) -> float:

@@ -10,8 +10,9 @@ from collections.abc import Sequence
 from decimal import Decimal
 from functools import lru_cache
 from math import atan, comb, tan
+from operator import mul
 
-from zoh.lti.digits import Exact, precision, span
+from zoh.lti.digits import Exact, Whole, whole
 
 
 def warp(wc: float, dt: float) -> float:
@@ -70,34 +71,39 @@ def to_bilinear(a: Sequence[Decimal], n: int) -> Exact:
     return tuple(out)
 
 
-def z_to_w(a: Sequence[float | Decimal], dt: float, n: int) -> Exact:
+@lru_cache(maxsize=64)
+def _columns(n: int) -> tuple[tuple[tuple[int, ...], ...], tuple[tuple[int, ...], ...]]:
+    """Return, by the power that comes out, the weights from z to p and those from p to z."""
+    rows = bilinear_weights(n)  # (z-1)^(n-k) (z+1)^k is row n - k with the sign of (-1)^(n-k)
+    back = [[c * (-1) ** (n - k) for c in rows[n - k]] for k in range(n + 1)]
+    return tuple(zip(*rows, strict=True)), tuple(zip(*back, strict=True))
+
+
+def z_to_w(a: Sequence[float], dt: float, n: int) -> Whole:
     """Return the polynomial in w that is (1 - w dt/2)^n a(z), degree n, n + 1 coefficients.
 
-    Exact for floats: w = (2/dt)(z-1)/(z+1) only mixes the coefficients with integers.
+    Exact: w = (2/dt)(z-1)/(z+1) only mixes the coefficients with integers.
 
-    >>> from zoh.lti.digits import rounded
-    >>> rounded(z_to_w((1.0, -1.0), dt=2.0, n=1))  # z - 1 = 2 w / (1 - w)
-    (2.0, 0.0)
+    >>> z_to_w((1.0, -1.0), dt=2.0, n=1)  # z - 1 = 2 w/(1 - w)
+    ([4, 0], 2)
     """
-    values = [Decimal(c) for c in a]
-    with precision(span(values) + 40):
-        half = Decimal(dt) / 2
-        out = to_bilinear(values, n)
-        return tuple(c * half ** (n - k) for k, c in enumerate(out))
+    values, unit = whole(a)
+    values = [0] * (n + 1 - len(values)) + values
+    top, bottom = dt.as_integer_ratio()
+    bottom *= 2
+    out = [sum(map(mul, column, values)) for column in _columns(n)[0]]
+    return [c * top ** (n - k) * bottom**k for k, c in enumerate(out)], unit * bottom**n
 
 
-def w_to_z(a: Sequence[float | Decimal], dt: float, n: int) -> Exact:
-    """Return the polynomial in z that is (z+1)^n a(w), degree n, n + 1 coefficients.
+def w_to_z(a: Sequence[float], dt: float, n: int) -> Whole:
+    """Return the polynomial in z that is (z+1)^n a(w), degree n, n + 1 coefficients, exactly.
 
-    >>> from zoh.lti.digits import rounded
-    >>> rounded(w_to_z((1.0, 0.0), dt=2.0, n=1))  # w = (z - 1)/(z + 1)
-    (1.0, -1.0)
+    >>> w_to_z((1.0, 0.0), dt=2.0, n=1)  # w = (z - 1)/(z + 1)
+    ([2, -2], 2)
     """
-    values = [Decimal(c) for c in a]
-    values = [Decimal(0)] * (n + 1 - len(values)) + values
-    with precision(span(values) + 40):
-        half = Decimal(dt) / 2
-        in_p = [c / half ** (n - k) if n > k else c for k, c in enumerate(values)]
-        turned = [c if (n - k) % 2 == 0 else -c for k, c in enumerate(in_p)]
-        mixed = to_bilinear(turned, n)
-        return tuple(c if (n - k) % 2 == 0 else -c for k, c in enumerate(mixed))
+    values, unit = whole(a)
+    values = [0] * (n + 1 - len(values)) + values
+    top, bottom = dt.as_integer_ratio()
+    bottom *= 2
+    in_p = [c * bottom ** (n - k) * top**k for k, c in enumerate(values)]
+    return [sum(map(mul, column, in_p)) for column in _columns(n)[1]], unit * top**n

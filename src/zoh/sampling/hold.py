@@ -5,17 +5,22 @@ alone. With a delay of m dt - e, 0 <= e < dt, and h_j = y(j dt + e)::
 
     G(z) = z^-m sum_j (h_j - h_{j-1}) z^-j          (the modified z-transform)
 
-y comes from ``ring``, where no root is sought, so repeated, complex, unstable and integrating
-poles are one case. The arithmetic carries as many digits as the subtractions ahead will eat,
-and rounds once, at the end, into z and into w.
+y is a linear functional l of the exponential in the ring modulo s den(s), where no root is
+sought, so repeated, complex, unstable and integrating poles are one case::
+
+    y(t) = l(exp(s t)),    l(s^i) = the i-th derivative of y at 0+
+
+Its differences are l((exp(s dt) - 1)^i exp(s e)), and the traces of the same powers are the power
+sums of the poles in delta = z - 1. All of it is done in whole numbers of so many bits with a
+bound on every error; where a coefficient of the result is not sure to a float, it is done again
+with the bits that were missing.
 Source: K. J. Astrom and B. Wittenmark, Computer-Controlled Systems, 3rd ed., ch. 2 (sampling
 by the step response, systems with time delay); E. I. Jury, Theory and Application of the
 z-Transform Method (modified z-transform).
 """
 
-from collections.abc import Sequence
-from decimal import Decimal, getcontext
-from itertools import pairwise
+from decimal import Decimal
+from functools import lru_cache
 from math import ceil, ulp
 
 from zoh import checks
@@ -23,12 +28,12 @@ from zoh.errors import SpecError
 from zoh.lti import digits
 from zoh.lti.digits import Exact
 from zoh.lti.systems import Plant, Sampled, sample_time
-from zoh.lti.wplane import to_bilinear
-from zoh.sampling.ring import StepResponse, digits_needed
+from zoh.sampling.fixed import Ratio
+from zoh.sampling.response import FixedResponse, Scaled
 
 MAX_DELAY = 10_000  # samples; a loop that waits longer is not a feedback loop
-
-_ZERO, _ONE = Decimal(0), Decimal(1)
+_NOTHING = 256  # bits beyond all that was lost: no true coefficient is anywhere near as small
+_NOW: Ratio = (0, 1)
 
 
 def sample(plant: Plant, dt: float, compute_delay: float = 0.0) -> Sampled:
@@ -49,43 +54,28 @@ def sample(plant: Plant, dt: float, compute_delay: float = 0.0) -> Sampled:
         raise SpecError("plant", "must be a zoh.Plant", plant, "sample a continuous plant")
     dt = sample_time(dt)
     checks.not_negative("compute_delay", compute_delay, "give seconds, 0 or more")
-    m, lead = whole_samples(plant.dead_time, compute_delay, dt)
-    num_s, den_s = plant.exact
-    with digits.precision(digits_needed(num_s, den_s, dt)):
-        step = StepResponse.of(num_s, den_s, Decimal(plant.sensor), Decimal(dt))
-        den1_z, values = step.sampled(lead)
-        return _rounded(step, den1_z, values, dt, m)
+    return _held(plant.exact, plant.sensor, dt, plant.dead_time, float(compute_delay))
 
 
-def _rounded(
-    step: "StepResponse", den1_z: Exact, values: Sequence[Decimal], dt: float, m: int
+@lru_cache(maxsize=256)
+def _held(
+    exact: tuple[Exact, Exact], sensor: float, dt: float, dead_time: float, compute_delay: float
 ) -> Sampled:
-    """Return the sampled system from its step response h_0 ... h_n and its moving poles."""
-    n, k = step.order, step.integrators
-    den_z = den1_z
-    for _ in range(k):
-        den_z = digits.times(den_z, (_ONE, -_ONE))
-    pulse = [values[0]] + [b - a for a, b in pairwise(values)]
-    num_z = [sum((den_z[i] * pulse[j - i] for i in range(j + 1)), _ZERO) for j in range(n + 1)]
-    half = Decimal(dt) / 2
-    den_p = tuple(c * 2**k for c in to_bilinear(den1_z, n - k)) + (_ZERO,) * k
-    num_p = list(to_bilinear(num_z, n))
-    # what cancels exactly leaves rounding behind; no true coefficient is anywhere near as small
-    nothing = max(abs(c) for c in num_z) * Decimal(10) ** (30 - getcontext().prec)
-    for i in range(n + 1):
-        if abs(num_p[i]) < nothing or n - i < min(step.zeros_at_origin, k + 1):
-            num_p[i] = _ZERO  # the second: a zero at s = 0 is a zero at z = 1
-    scale = [half ** (n - i) for i in range(n + 1)]
-    unit = next(d * s for d, s in zip(den_p, scale, strict=True) if d)
+    """Return the plant held; kept, for a design and each of its measurements ask for it again."""
+    m, whole = _samples(dead_time, compute_delay, dt)
+    lead = _NOW if whole else _lead(m, dead_time, compute_delay, dt)
+    plant = Scaled.of(*exact, sensor, dt)
+    bits, limit = plant.first_bits(), 0
     try:
-        return Sampled.made(
-            num=tuple(_finite(c) for c in num_z),
-            den=tuple(_finite(c) for c in den_z) + (0.0,) * m,
-            dt=dt,
-            num_w=tuple(_finite(c * s / unit) for c, s in zip(num_p, scale, strict=True)),
-            den_w=tuple(_finite(c * s / unit) for c, s in zip(den_p, scale, strict=True)),
-            delay=m,
-        )
+        while True:
+            found = FixedResponse.of(plant, bits).sampled(lead).forms()
+            missing = found.missing_bits()
+            if missing == 0:
+                return found.rounded(dt, m)
+            if missing is None and bits >= limit > 0:
+                return found.cleared().rounded(dt, m)
+            limit = limit or bits + found.lost_bits() + _NOTHING
+            bits = limit if missing is None else bits + missing
     except OverflowError:
         raise SpecError(
             "dt",
@@ -95,18 +85,20 @@ def _rounded(
         ) from None
 
 
-def _finite(c: Decimal) -> float:
-    value = float(c)
-    if value in (float("inf"), float("-inf")):
-        raise OverflowError
-    return value
-
-
 def whole_samples(dead_time: float, compute_delay: float, dt: float) -> tuple[int, Decimal]:
     """Return (m, e/dt): the delay is m dt - e with 0 <= e < dt.
 
     0.3/0.1 is 2.9999999999999996: a ratio within rounding of a whole number is that number.
     """
+    m, whole = _samples(dead_time, compute_delay, dt)
+    if whole:
+        return m, Decimal(0)
+    with digits.precision(digits.KEPT):
+        return m, m - (Decimal(dead_time) + Decimal(compute_delay)) / Decimal(dt)
+
+
+def _samples(dead_time: float, compute_delay: float, dt: float) -> tuple[int, bool]:
+    """Return (m, whether the delay is m samples and no fraction)."""
     total = dead_time + compute_delay
     ratio = total / dt
     if ratio > MAX_DELAY:
@@ -117,7 +109,13 @@ def whole_samples(dead_time: float, compute_delay: float, dt: float) -> tuple[in
             "sample more slowly",
         )
     if abs(ratio - round(ratio)) <= 8 * ulp(ratio):  # three roundings, doubled and then some
-        return round(ratio), _ZERO
-    m = ceil(ratio)
-    with digits.precision(digits.KEPT):
-        return m, m - (Decimal(dead_time) + Decimal(compute_delay)) / Decimal(dt)
+        return round(ratio), True
+    return ceil(ratio), False
+
+
+def _lead(m: int, dead_time: float, compute_delay: float, dt: float) -> Ratio:
+    """Return e = m dt - dead_time - compute_delay in s; floats are fractions over powers of 2."""
+    parts = [x.as_integer_ratio() for x in (dt, dead_time, compute_delay)]
+    bottom = max(b for _, b in parts)
+    period, dead, compute = (a * (bottom // b) for a, b in parts)
+    return m * period - dead - compute, bottom

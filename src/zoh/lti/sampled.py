@@ -1,0 +1,178 @@
+"""Sampled: a system in z and in w, with its sample time."""
+
+import cmath
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, overload
+
+import numpy as np
+import numpy.typing as npt
+
+from zoh import checks
+from zoh.errors import SpecError
+from zoh.lti import poly
+from zoh.lti.given import check_fraction
+from zoh.lti.poly import ComplexArray, Poly
+from zoh.lti.wplane import w_to_z, z_to_w
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sampled:
+    """A sampled system num(z)/den(z) with its sample time dt in s.
+
+    num, den  coefficients in descending powers of z
+    num_w, den_w, delay  the same system as num_w(w)/den_w(w) z^-delay with
+    w = (2/dt)(z-1)/(z+1); both have the same length, leading zeros are roots at z = -1.
+    The work is done in w, where digits survive a small dt; z is what goes in and out.
+
+    Raises SpecError for dt <= 0, an acausal, an empty or a zero fraction.
+
+    >>> Sampled(num=[1], den=[1, -1], dt=0.5).num_w  # z/(z-1) is (1 + w/4)/(w/2)
+    (-0.25, 1.0)
+    """
+
+    num: Poly
+    den: Poly
+    dt: float
+    num_w: Poly = field(init=False, repr=False, compare=False)
+    den_w: Poly = field(init=False, repr=False, compare=False)
+    delay: int = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        put(self, "num", checks.coefficients("num", self.num))
+        put(self, "den", checks.coefficients("den", self.den))
+        put(self, "dt", sample_time(self.dt))
+        check_fraction(self.num, self.den, "z")
+        n = len(self.den) - 1
+        put(self, "num_w", _floats(*z_to_w(self.num, self.dt, n)))
+        put(self, "den_w", _floats(*z_to_w(self.den, self.dt, n)))
+        put(self, "delay", 0)
+
+    @classmethod
+    def made(
+        cls, *, num: Poly, den: Poly, dt: float, num_w: Poly, den_w: Poly, delay: int = 0
+    ) -> "Sampled":
+        """Return a system whose two forms were computed together, from parameters."""
+        system, put = object.__new__(cls), object.__setattr__
+        put(system, "num", num if num[0] else poly.trim(num))
+        put(system, "den", den if den[0] else poly.trim(den))
+        put(system, "dt", dt)
+        put(system, "num_w", num_w)
+        put(system, "den_w", den_w)
+        put(system, "delay", delay)
+        return system
+
+    @classmethod
+    def from_w(
+        cls, *, num_w: Sequence[float], den_w: Sequence[float], dt: float, delay: int = 0
+    ) -> "Sampled":
+        """Return the system num_w(w)/den_w(w) z^-delay; z-coefficients scaled to den[0] = 1.
+
+        Raises SpecError for dt <= 0, a negative delay or a denominator of zeros.
+
+        >>> Sampled.from_w(num_w=[1.0], den_w=[1.0, 0.0], dt=2.0)  # 1/w = (z+1)/(z-1)
+        Sampled(num=(1.0, 1.0), den=(1.0, -1.0), dt=2.0)
+        """
+        sample_time(dt)
+        if delay < 0 or delay != int(delay):
+            raise SpecError("delay", "must be whole samples, 0 or more", delay, "count samples")
+        n = max(len(num_w), len(den_w)) - 1
+        (top, top_unit), (bottom, unit) = w_to_z(num_w, dt, n), w_to_z(den_w, dt, n)
+        if not any(bottom):
+            raise SpecError("den_w", "must not be all zeros", list(den_w), "give one coefficient")
+        lead = next(c for c in bottom if c)
+        return cls.made(
+            num=_floats([c * unit for c in top], top_unit * lead),
+            den=_floats(bottom, lead) + (0.0,) * delay,
+            dt=dt,
+            num_w=poly.padded(num_w, n + 1),
+            den_w=poly.padded(den_w, n + 1),
+            delay=delay,
+        )
+
+    @overload
+    def at(self, wc: float) -> complex: ...
+    @overload
+    def at(self, wc: npt.ArrayLike) -> ComplexArray: ...
+    def at(self, wc: Any) -> Any:
+        """Return the complex gain at wc in rad/s, a number or an array; infinite at a pole.
+
+        >>> abs(Sampled(num=[1], den=[1, -1], dt=1.0).at(np.pi) + 0.5) < 1e-15
+        True
+        """
+        if isinstance(wc, float) and math.isfinite(wc):
+            return self._at(wc)
+        w = checks.frequencies("wc", wc)
+        sin, cos = 2 / self.dt * np.sin(w * self.dt / 2), np.cos(w * self.dt / 2)
+        size = np.hypot(sin, cos)
+        x, y = 1j * sin / size, cos / size  # v = x/y; Nyquist is y = 0, no overflow there
+        top = poly.homogeneous(self.num_w, x, y) * np.exp(-1j * w * self.dt * self.delay)
+        value = poly.quotient(top, poly.homogeneous(self.den_w, x, y))
+        return complex(value) if w.ndim == 0 else value
+
+    def _at(self, wc: float) -> complex:
+        """Return what ``at`` does, for one number."""
+        sin, cos = 2 / self.dt * math.sin(wc * self.dt / 2), math.cos(wc * self.dt / 2)
+        size = math.hypot(sin, cos)
+        x, y = complex(0.0, sin / size), cos / size
+        bottom = poly.homogeneous(self.den_w, x, y)
+        if bottom == 0:
+            return complex(math.inf, 0.0)
+        late = cmath.exp(complex(0.0, -wc * self.dt * self.delay)) if self.delay else 1.0
+        return complex(poly.homogeneous(self.num_w, x, y) * late / bottom)
+
+    def __mul__(self, other: "Sampled") -> "Sampled":
+        """Return the two in series; both must have the same dt."""
+        if not isinstance(other, Sampled):
+            return NotImplemented
+        if self.dt != other.dt:
+            raise SpecError(
+                "dt",
+                f"must be the same in both systems ({self.dt!r} s in the first)",
+                other.dt,
+                "sample both with one clock",
+            )
+        return Sampled.from_w(
+            num_w=poly.times(self.num_w, other.num_w),
+            den_w=poly.times(self.den_w, other.den_w),
+            dt=self.dt,
+            delay=self.delay + other.delay,
+        )
+
+    def poles(self) -> ComplexArray:
+        """Return the poles in z, those of the delay at 0 included."""
+        return np.concatenate([_in_z(self.den_w, self.dt), np.zeros(self.delay)])
+
+    def zeros(self) -> ComplexArray:
+        """Return the finite zeros in z."""
+        found = _in_z(self.num_w, self.dt)
+        # in w a zero at z = infinity is one at 2/dt: those that num does not have are such
+        return found[np.argsort(np.abs(found))][: len(self.num) - 1]
+
+
+def sample_time(dt: object) -> float:
+    """Return dt in s, or raise SpecError unless it is positive and finite."""
+    return checks.positive("dt", dt, "give the sample time in seconds")
+
+
+def _floats(values: Sequence[int], unit: int) -> Poly:
+    """Return values over unit, each the nearest float."""
+    try:
+        return tuple([c / unit for c in values])
+    except OverflowError:
+        raise SpecError(
+            "coefficients",
+            "must be within a 64-bit float's range in z and in w",
+            "beyond 1e308",
+            "count time in another unit",
+        ) from None
+
+
+def _in_z(a_w: Poly, dt: float) -> ComplexArray:
+    at_nyquist = len(a_w) - len(poly.trim(a_w))
+    half = poly.roots(a_w) * dt / 2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found = np.where(half == 1, np.inf, (1 + half) / (1 - half))
+    return np.concatenate([found, np.full(at_nyquist, -1.0)])
