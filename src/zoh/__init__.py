@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from zoh.analysis.closed import EXCITATIONS
     from zoh.analysis.margins import margins
     from zoh.analysis.responses import Response, noise_gains, response, response_trace
-    from zoh.analysis.results import Margins, StepInfo
+    from zoh.analysis.results import Certificate, Margins, Proof, StepInfo
     from zoh.analysis.step import Trace, step_info, trace
     from zoh.analysis.verify import Measured, Verified, measure, verify
     from zoh.certificate import LAWS
-    from zoh.errors import Infeasible, NotMet, SpecError, ZohError
+    from zoh.errors import Infeasible, NotMet, RoundingWarning, SpecError, ZohError
     from zoh.lti.systems import Plant, Sampled
     from zoh.pipeline import design, lag, lead, p, pd, pi, pid
     from zoh.sampling.convert import METHODS, discretise, undiscretise
@@ -33,14 +33,17 @@ __all__ = [
     "EXCITATIONS",
     "LAWS",
     "METHODS",
+    "Certificate",
     "Crossover",
     "Infeasible",
     "Margins",
     "Measured",
     "NotMet",
     "Plant",
+    "Proof",
     "Requirements",
     "Response",
+    "RoundingWarning",
     "Sampled",
     "SpecError",
     "StepInfo",
@@ -73,11 +76,11 @@ _HOMES = {
     "zoh.analysis.closed": ("EXCITATIONS",),
     "zoh.analysis.margins": ("margins",),
     "zoh.analysis.responses": ("Response", "noise_gains", "response", "response_trace"),
-    "zoh.analysis.results": ("Margins", "StepInfo"),
+    "zoh.analysis.results": ("Certificate", "Margins", "Proof", "StepInfo"),
     "zoh.analysis.step": ("Trace", "step_info", "trace"),
     "zoh.analysis.verify": ("Measured", "Verified", "measure", "verify"),
     "zoh.certificate": ("LAWS",),
-    "zoh.errors": ("Infeasible", "NotMet", "SpecError", "ZohError"),
+    "zoh.errors": ("Infeasible", "NotMet", "RoundingWarning", "SpecError", "ZohError"),
     "zoh.lti.systems": ("Plant", "Sampled"),
     "zoh.pipeline": ("design", "lag", "lead", "p", "pd", "pi", "pid"),
     "zoh.sampling.convert": ("METHODS", "discretise", "undiscretise"),

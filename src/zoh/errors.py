@@ -69,6 +69,10 @@ class Infeasible(ZohError):
         return advice
 
 
+class RoundingWarning(UserWarning):
+    """What the given z-coefficients have lost to rounding is part of an answer."""
+
+
 class NotMet(ZohError):
     """A design, or a given controller, that fails its requirements.
 

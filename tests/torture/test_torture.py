@@ -9,6 +9,10 @@ import pytest
 from benchmarks.torture import exact, generate, held, loops, measure, named, run_zoh, score
 from mpmath import mp
 
+import zoh
+from zoh.analysis.loop import Loop
+from zoh.analysis.margins import measure_loop
+
 LOOPS = {spec["name"]: spec for spec in loops.read(loops.LOOPS)}
 TRUTH = {truth["name"]: truth for truth in loops.read(loops.TRUTH)}
 ONCE_WRONG = ["robot PID, 0.03-0.3 s #82", "continuous, dead time #34", "continuous, dead time #46"]
@@ -21,6 +25,33 @@ def test_zoh_has_nothing_wrong(name):
     said = run_zoh.answer(LOOPS[name])
     assert said.error is None
     assert score.faults(LOOPS[name], TRUTH[name], said, score.STRICT) == frozenset()
+
+
+PARAMETERS = [name for name, spec in LOOPS.items() if spec["form"] == "params"]
+
+
+def test_no_loop_is_lost_to_rounding_in_silence():
+    """Each loop from parameters, typed in as z-coefficients: what moved far is warned of."""
+    lost = warned = 0
+    for name in PARAMETERS:
+        true = zoh.margins(run_zoh.loop(LOOPS[name]))
+        z = loops.in_z(LOOPS[name])
+        typed = measure_loop(Loop.of(zoh.Sampled(num=z["num"], den=z["den"], dt=z["dt"])))
+        moved = (
+            typed.stable is not true.stable
+            or not isclose(typed.phase_margin_deg, true.phase_margin_deg, rel_tol=0, abs_tol=0.1)
+            or not isclose(typed.gain_margin, true.gain_margin, rel_tol=0.01)
+            or not isclose(typed.ms, true.ms, rel_tol=0.01)
+        )
+        lost, warned = lost + moved, warned + bool(typed.warnings)
+        assert typed.warnings or not moved, name
+    assert lost > 40
+    assert warned < 1.5 * lost  # a bound, but no false alarm as a rule
+
+
+@pytest.mark.parametrize("name", PART)
+def test_every_margin_is_proved(name):
+    assert measure_loop(Loop.of(run_zoh.loop(LOOPS[name]))).certificate.holds
 
 
 @pytest.mark.parametrize("name", AGAIN)

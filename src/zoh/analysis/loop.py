@@ -33,6 +33,7 @@ class Loop:
                coefficients without rounding, which num and den are the floats of
     dt         s, the sample time; None for a continuous loop
     dead_time  s, the delay kept apart from the polynomials
+    rounded    the factors that were given as z-coefficients
     """
 
     num: Poly
@@ -40,6 +41,7 @@ class Loop:
     exact: tuple[Whole, Whole]
     dt: float | None
     dead_time: float
+    rounded: tuple[Sampled, ...] = ()
 
     @classmethod
     def of(cls, *systems: Plant | Sampled) -> "Loop":
@@ -69,8 +71,10 @@ class Loop:
         except OverflowError:
             raise out_of_range([*systems]) from None
         return cls(
-            num=top_floats, den=bottom_floats, exact=(num, den), dt=_dt(first), dead_time=dead_time
-        )
+            num=top_floats, den=bottom_floats, exact=(num, den), dt=_dt(first),
+            dead_time=dead_time,
+            rounded=tuple(r for s in systems if isinstance(s, Sampled) for r in s.rounded),
+        )  # fmt: skip
 
     def frequency(self, v: float) -> float:
         """Return the real frequency in rad/s at v."""

@@ -12,7 +12,9 @@ Control Systems 40(5), 2020, eq. (5) with sigma = 0.
 """
 
 from cmath import phase
+from dataclasses import replace
 from math import degrees, inf, isnan, log, radians, tau
+from warnings import warn
 
 import numpy as np
 
@@ -20,9 +22,11 @@ from zoh.analysis.close import Close
 from zoh.analysis.loop import Loop, out_of_range
 from zoh.analysis.proof import Found, Look, Peak, proved
 from zoh.analysis.results import Margins
+from zoh.analysis.rounding import doubts
 from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import ON_DEN, ON_NUM, ON_OPPOSITE, Below, Squares
 from zoh.analysis.stability import closed_loop_stable
+from zoh.errors import RoundingWarning
 from zoh.lti import poly
 from zoh.lti.systems import Plant, Sampled
 
@@ -37,18 +41,25 @@ def margins(loop: Plant | Sampled) -> Margins:
     """Return the margins of ``loop``, the open loop of a unity negative feedback.
 
     Frequencies are real ones in rad/s, below or at Nyquist's. Raises SpecError for anything
-    that is no system.
+    that is no system; warns (RoundingWarning, and in the answer's ``warnings``) where rounding of
+    the z-coefficients given has already lost a figure.
 
     >>> from math import pi
     >>> m = margins(Sampled(num=[0.1], den=[1, -0.9], dt=1.0))  # leaves at z = -1
     >>> round(m.gain_margin, 12), m.phase_crossover == pi
     (19.0, True)
     """
-    return measure_loop(Loop.of(loop))
+    found = measure_loop(Loop.of(loop))
+    for sentence in found.warnings:
+        warn(sentence, RoundingWarning, stacklevel=2)
+    return found
 
 
 def measure_loop(loop: Loop) -> Margins:
-    """Return the margins of a loop on its frequency axis; raise SpecError beyond floats."""
+    """Return the margins of a loop on its frequency axis; raise SpecError beyond floats.
+
+    What the figures rest on is in their ``warnings`` alone.
+    """
     with np.errstate(all="ignore"):  # what overflows is looked for below
         squares = Squares.of(loop)
         stable = closed_loop_stable(loop)
@@ -59,7 +70,15 @@ def measure_loop(loop: Loop) -> Margins:
     numbers = [found.gain_margin, found.phase_margin_deg, found.modulus_margin, found.mt]
     if any(isnan(x) for x in [*numbers, found.disk_margin]):
         raise out_of_range([*loop.num, *loop.den])
-    return found
+    told = (*_unproved(found), *doubts(loop, found))
+    return replace(found, warnings=told) if told else found
+
+
+def _unproved(m: Margins) -> tuple[str, ...]:
+    """Return a sentence for what the certificate leaves open: rounding, or a needle in a delay."""
+    if m.certificate is None or m.certificate.holds:
+        return ()
+    return (f"not proved to be complete: {', '.join(m.certificate.open())}",)
 
 
 def _measured(loop: Loop, squares: Squares, look: Look, stable: bool) -> Margins:

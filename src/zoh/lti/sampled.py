@@ -25,6 +25,8 @@ class Sampled:
     num_w, den_w, delay  the same system as num_w(w)/den_w(w) z^-delay with
     w = (2/dt)(z-1)/(z+1); both have the same length, leading zeros are roots at z = -1.
     The work is done in w, where digits survive a small dt; z is what goes in and out.
+    rounded  the factors of this system whose z-coefficients were given, and so may have lost
+    digits that no later care brings back: itself, unless it was made in w
 
     Raises SpecError for dt <= 0, an acausal, an empty or a zero fraction.
 
@@ -38,6 +40,7 @@ class Sampled:
     num_w: Poly = field(init=False, repr=False, compare=False)
     den_w: Poly = field(init=False, repr=False, compare=False)
     delay: int = field(init=False, repr=False, compare=False)
+    _given: "tuple[Sampled, ...] | None" = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -49,11 +52,18 @@ class Sampled:
         put(self, "num_w", _floats(*z_to_w(self.num, self.dt, n)))
         put(self, "den_w", _floats(*z_to_w(self.den, self.dt, n)))
         put(self, "delay", 0)
+        put(self, "_given", None)
+
+    @property
+    def rounded(self) -> "tuple[Sampled, ...]":
+        """Return the factors whose z-coefficients were given."""
+        return (self,) if self._given is None else self._given
 
     @classmethod
     def made(
-        cls, *, num: Poly, den: Poly, dt: float, num_w: Poly, den_w: Poly, delay: int = 0
-    ) -> "Sampled":
+        cls, *, num: Poly, den: Poly, dt: float, num_w: Poly, den_w: Poly, delay: int = 0,
+        rounded: "tuple[Sampled, ...]" = (),
+    ) -> "Sampled":  # fmt: skip
         """Return a system whose two forms were computed together, from parameters."""
         system, put = object.__new__(cls), object.__setattr__
         put(system, "num", num if num[0] else poly.trim(num))
@@ -62,12 +72,14 @@ class Sampled:
         put(system, "num_w", num_w)
         put(system, "den_w", den_w)
         put(system, "delay", delay)
+        put(system, "_given", rounded)
         return system
 
     @classmethod
     def from_w(
-        cls, *, num_w: Sequence[float], den_w: Sequence[float], dt: float, delay: int = 0
-    ) -> "Sampled":
+        cls, *, num_w: Sequence[float], den_w: Sequence[float], dt: float, delay: int = 0,
+        rounded: "tuple[Sampled, ...]" = (),
+    ) -> "Sampled":  # fmt: skip
         """Return the system num_w(w)/den_w(w) z^-delay; z-coefficients scaled to den[0] = 1.
 
         Raises SpecError for dt <= 0, a negative delay or a denominator of zeros.
@@ -90,6 +102,7 @@ class Sampled:
             num_w=poly.padded(num_w, n + 1),
             den_w=poly.padded(den_w, n + 1),
             delay=delay,
+            rounded=rounded,
         )
 
     @overload
@@ -139,6 +152,7 @@ class Sampled:
             den_w=poly.times(self.den_w, other.den_w),
             dt=self.dt,
             delay=self.delay + other.delay,
+            rounded=self.rounded + other.rounded,
         )
 
     def poles(self) -> ComplexArray:

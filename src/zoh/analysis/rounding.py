@@ -1,0 +1,132 @@
+"""What the rounding of given z-coefficients has already cost.
+
+z-coefficients are floats, and at a small dt everything is in their last digits. If each may be
+off by half a unit of its last place, |c| 2^-53, then num(z) may be off by 2^-53 sum |c| and L by
+a part rho of itself, which moves a crossing by rho over the slope of the gain or the phase
+there. That is first order, and an upper bound: rounding seldom conspires.
+Source: N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., sec. 1.6 and 5.3
+(condition of a polynomial's value in its coefficients).
+"""
+
+from collections.abc import Iterator
+from math import degrees, hypot, inf
+
+from zoh.analysis.loop import Loop, scalar
+from zoh.analysis.results import Margins
+from zoh.lti.poly import Poly
+from zoh.lti.wplane import warp
+
+LOST_DEG = 0.1  # a phase margin that may be off by this much is lost
+LOST = 0.01  # relative, the same for a gain margin and for Ms
+_HALF_A_UNIT = 2.0**-53
+_SHORT = 2.0**32  # a coefficient of no more bits than that is meant as it stands
+_ANY = 1e4  # beyond it a bound says nothing
+_GRID = 60  # points on which stability is asked for
+
+_WAY_OUT = "build the loop from its parameters (zoh.sample, Sampled.from_w) or sample more slowly"
+
+
+def doubts(loop: Loop, m: Margins) -> tuple[str, ...]:
+    """Return a sentence for each figure that rounding has taken the meaning from.
+
+    Only z-coefficients that were given as such are doubted; those that zoh made from a plant
+    stand beside their w-form, which is what is measured.
+    """
+    if not loop.rounded or loop.dt is None:
+        return ()
+    found = []
+    pm = 0.0 if m.crossover is None else _phase_shift(loop, m.crossover)
+    if pm > LOST_DEG:
+        found.append(f"the phase margin may be off by {_shown(pm)} deg")
+    gain = 0.0 if m.phase_crossover is None else _gain_shift(loop, m.phase_crossover)
+    if gain > LOST:
+        found.append(f"the gain margin may be off by {_shown(100 * gain)} %")
+    if m.modulus_margin and (peak := _of_return(loop, m.ms_frequency)) > LOST:
+        found.append(f"Ms may be off by {_shown(100 * peak)} %")
+    if max(_of_return(loop, w) for w in _frequencies(loop, m)) >= 1:
+        found.append("stability may be lost or won")
+    if not found:
+        return ()
+    return (f"by the rounding of the given z-coefficients alone {', '.join(found)}: {_WAY_OUT}",)
+
+
+def _phase_shift(loop: Loop, w: float) -> float:
+    """Return how many deg rounding moves the phase margin of the crossover at w."""
+    part, gain_slope, phase_slope = _sensitivity(loop, w)
+    return degrees(part * (1 + (abs(phase_slope / gain_slope) if gain_slope else inf)))
+
+
+def _gain_shift(loop: Loop, w: float) -> float:
+    """Return by which part rounding moves the gain margin of the phase crossing at w."""
+    part, gain_slope, phase_slope = _sensitivity(loop, w)
+    if w <= 0 or w >= _nyquist(loop):  # there L is real whatever it is: the crossing stays
+        return part
+    return part * (1 + (abs(gain_slope / phase_slope) if phase_slope else inf))
+
+
+def _sensitivity(loop: Loop, w: float) -> tuple[float, float, float]:
+    """Return (rho, d ln|L|/dv, d arg L/dv) at w in rad/s."""
+    v = warp(w, loop.dt or 0.0)
+    top, bottom, dtop, dbottom = loop.slopes(v)
+    slope = dtop / top - dbottom / bottom if top and bottom else complex(inf, inf)
+    return sum(_parts(loop, v)), slope.real, slope.imag
+
+
+def _of_return(loop: Loop, w: float) -> float:
+    """Return by which part of itself rounding moves den + num at w in rad/s."""
+    if w >= _nyquist(loop):
+        w = _nyquist(loop) * (1 - 1e-9)
+    v = warp(w, loop.dt or 0.0)
+    top, bottom = loop.point(v)
+    of_top, of_bottom = _parts(loop, v)
+    return_difference = abs(bottom + top)
+    moved = abs(top) * of_top + abs(bottom) * of_bottom
+    return moved / return_difference if return_difference else inf
+
+
+def _parts(loop: Loop, v: float) -> tuple[float, float]:
+    """Return by which parts of themselves rounding moves num and den at v."""
+    of_top = of_bottom = 0.0
+    for system in loop.rounded:
+        size = hypot(1.0, v * system.dt / 2) ** (len(system.den) - 1)  # of (1 - w dt/2)^n
+        of_top += _part(system.num, system.num_w, v, size)
+        of_bottom += _part(system.den, system.den_w, v, size)
+    return of_top, of_bottom
+
+
+def _part(a: Poly, a_w: Poly, v: float, size: float) -> float:
+    """Return half a unit of each coefficient over |a(z)|, where a_w(jv) = a(z) (1 - jv dt/2)^n."""
+    off = _HALF_A_UNIT * sum(abs(c) for c in a if not _exact(c))
+    value = abs(scalar(a_w, v)) / size
+    return off / value if value else inf if off else 0.0
+
+
+def _exact(c: float) -> bool:
+    """Return whether a coefficient has so few digits that it is meant as it stands: 1, -2, 0.5.
+
+    >>> _exact(-2.0), _exact(0.1)
+    (True, False)
+    """
+    top, _ = c.as_integer_ratio()
+    return abs(top) < _SHORT
+
+
+def _frequencies(loop: Loop, m: Margins) -> Iterator[float]:
+    """Return where stability is asked for: seven decades below Nyquist's frequency, and Ms'."""
+    yield m.ms_frequency
+    top = _nyquist(loop)
+    for k in range(_GRID):
+        yield top * 10 ** (-7 * k / (_GRID - 1))
+
+
+def _nyquist(loop: Loop) -> float:
+    return loop.frequency(inf)
+
+
+def _shown(x: float) -> str:
+    """Return an error bound in a few digits.
+
+    >>> _shown(0.1234), _shown(1234.0), _shown(inf)
+    ('0.12', '1234', 'any number of')
+    """
+    return "any number of" if x > _ANY else f"{x:.0f}" if x >= 100 else f"{x:.2g}"
