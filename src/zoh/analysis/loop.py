@@ -65,9 +65,8 @@ class Loop:
             num, den = whole.times(num, top), whole.times(den, bottom)
             unit, dead_time = unit * its_unit, dead_time + wait
         num = [0] * (len(den) - len(num)) + list(num)
-        bits = unit.bit_length() - 1
         try:
-            top_floats, bottom_floats = (tuple(whole.floats(a, 0, bits)) for a in (num, den))
+            top_floats, bottom_floats = (tuple([c / unit for c in a]) for a in (num, den))
         except OverflowError:
             raise out_of_range([*systems]) from None
         return cls(

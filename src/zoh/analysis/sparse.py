@@ -21,14 +21,20 @@ _BEYOND = 7  # octaves in q that are looked at beyond the first and the last cor
 _PER_OCTAVE = 2
 _STEP = 2.0 ** (1 / _PER_OCTAVE)
 _NEAR = 1e-7  # relative distance of the two points of a last secant: half a float's digits
-_STILL = 1e-15  # relative step at which Newton's method stands still
-_FLAT = 1e-11  # the same for a least value, which is flat and needs no more
-_BOTTOM, _TOP, _CLOSED, _OPPOSITE, _GAIN, _TURN, _DROP = range(7)
+_LAST_STEP = 1e-10  # relative; Newton's next step would be its square, below a float's digits
+_LAST_FLAT_STEP = 1e-6  # the same for a least value, which is flat and needs half the digits
+_BOTTOM, _TOP, _OPPOSITE, _CLOSED, _GAIN, _TURN, _DROP = range(7)
+_BELOW = [_BOTTOM, _TOP, _OPPOSITE]
+_NOTHING = 1e-300  # instead of 0, or of less by rounding
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sparse:
-    """The polynomials of ``Squares`` in q/unit, as floats, and their values at q: (7, K)."""
+    """The polynomials of ``Squares`` in q/unit, as floats, and what they are at q.
+
+    values     shape (7, K)
+    ratios     |D + N|^2 over |D|^2, |N|^2 and |D - N|^2, shape (3, K); lowest_at: where
+    """
 
     loop: Loop
     level: float
@@ -36,20 +42,22 @@ class Sparse:
     polynomials: list[list[float]]
     q: Array
     values: Array
+    ratios: Array
+    lowest_at: list[int]
 
     @classmethod
     def of(cls, loop: Loop, s: Squares) -> "Sparse | None":
         """Return the look, None where polynomials do not tell or floats do not hold them."""
         if not s.whole:
             return None
-        exact: Sequence[Whole] = (s.bottom, s.top, s.closed, s.opposite, s.gain, s.turn, s.drop)
+        exact: Sequence[Whole] = (s.bottom, s.top, s.opposite, s.closed, s.gain, s.turn, s.drop)
         found = corners((s.bottom, s.closed, s.gain, s.turn, s.drop))
         low, high = floor(min(found, default=0.0)), ceil(max(found, default=0.0))
         middle = (low + high) // 2
         longest = len(s.bottom)
         # one power of two for those of which ratios are taken, and none of it underflows
-        shared = max(whole.size(a, middle) for a in exact[: _OPPOSITE + 1])
-        sizes = [shared] * (_OPPOSITE + 1) + [whole.size(a, middle) for a in exact[_GAIN:]]
+        shared = max(whole.size(s.bottom, middle), whole.size(s.top, middle))
+        sizes = [shared] * _TURN + [whole.size(s.turn, middle), whole.size(s.drop, middle)]
         rows = [
             [0.0] * (longest - len(a)) + whole.floats(a, middle, bits)
             for a, bits in zip(exact, sizes, strict=True)
@@ -59,7 +67,11 @@ class Sparse:
         values = np.array(rows).T @ np.ones(1) if longest == 1 else _values(rows, q)
         if not np.isfinite(values).all():
             return None
-        return cls(loop=loop, level=s.level, unit=2.0**middle, polynomials=rows, q=q, values=values)
+        ratios = values[_CLOSED] / np.maximum(values[_BELOW], _NOTHING)
+        return cls(
+            loop=loop, level=s.level, unit=2.0**middle, polynomials=rows, q=q, values=values,
+            ratios=ratios, lowest_at=ratios.argmin(axis=1).tolist(),
+        )  # fmt: skip
 
     @property
     def reach(self) -> float:
@@ -80,15 +92,15 @@ class Sparse:
 
     def lowest(self, below: Below) -> float:
         """Return the v seen at which |D + N|/|below| is least."""
-        row = _BOTTOM if below == ON_DEN else _TOP if below == ON_NUM else _OPPOSITE
-        under = self.values[row]
-        ratio = np.where(under > 0, self.values[_CLOSED], inf) / under
-        i = int(ratio.argmin())
-        q = float(self.q[i])
-        if 0 < i < len(ratio) - 1:
-            start = q * _STEP ** _parabola(*ratio[i - 1 : i + 2].tolist())
-            ends = float(self.q[i - 1]), float(self.q[i + 1])
-            q = _stationary(self.polynomials[_CLOSED], self.polynomials[row], start, *ends)
+        which = 0 if below == ON_DEN else 1 if below == ON_NUM else 2
+        i, count = self.lowest_at[which], len(self.q)
+        if 0 < i < count - 1:
+            low, q, high = self.q[i - 1 : i + 2].tolist()
+            start = q * _STEP ** _parabola(*self.ratios[which, i - 1 : i + 2].tolist())
+            under = self.polynomials[_BELOW[which]]
+            q = _stationary(self.polynomials[_CLOSED], under, start, low, high)
+        else:
+            q = float(self.q[i])
         return sqrt(q) * sqrt(self.unit)
 
     def _roots(self, row: int) -> list[float]:
@@ -97,9 +109,7 @@ class Sparse:
         flips = np.flatnonzero(signs[1:] != signs[:-1])
         polynomial, found = self.polynomials[row], []
         for i in flips.tolist():
-            q = _root(
-                polynomial, float(self.q[i]), float(self.q[i + 1]), float(y[i]), float(y[i + 1])
-            )
+            q = _root(polynomial, *self.q[i : i + 2].tolist(), *y[i : i + 2].tolist())
             found.append(sqrt(q) * sqrt(self.unit))
         return found
 
@@ -134,7 +144,9 @@ def _root(a: Sequence[float], low: float, high: float, at_low: float, at_high: f
         else:
             low = x
         step = value / slope if slope else inf
-        if abs(step) <= _STILL * x or abs(last) <= abs(step) < 1e-9 * x:  # rounding is all there is
+        if (
+            abs(step) <= _LAST_STEP * x or abs(last) <= abs(step) < 1e-9 * x
+        ):  # rounding is all there is
             return x - step
         if not low < x - step < high:
             step = x - (low + high) / 2
@@ -158,7 +170,7 @@ def _stationary(p: Sequence[float], q: Sequence[float], x: float, low: float, hi
         else:
             low = x
         step = value / slope if slope > 0 else inf
-        if abs(step) <= _FLAT * x or abs(last) <= abs(step) < 1e-6 * x:
+        if abs(step) <= _LAST_FLAT_STEP * x or abs(last) <= abs(step) < 1e-6 * x:
             return x - step
         if not low < x - step < high:
             step = x - (low + high) / 2

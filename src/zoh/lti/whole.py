@@ -96,16 +96,17 @@ def size(a: Whole, octaves: int) -> int:
 
 
 def floats(a: Whole, octaves: int, bits: int) -> list[float]:
-    """Return a(x 2**octaves) 2**-bits as floats, each within 2**-60 and a rounding of its value.
+    """Return a(x 2**octaves) 2**-bits, each coefficient the nearest float.
+
+    Raises OverflowError where one is beyond a float's range.
 
     >>> floats((3, 0, 1), octaves=1, bits=1)
     [6.0, 0.0, 0.5]
     """
-    power, out = octaves * (len(a) - 1) - bits, []
+    down, out = bits - octaves * (len(a) - 1), []
     for c in a:
-        extra = c.bit_length() - 61
-        out.append(ldexp(c, power) if extra <= 0 else ldexp(c >> extra, power + extra))
-        power -= octaves
+        out.append(c / (1 << down) if down >= 0 else float(c << -down))
+        down += octaves
     return out
 
 
