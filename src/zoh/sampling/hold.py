@@ -65,17 +65,21 @@ def _held(
     m, whole = _samples(dead_time, compute_delay, dt)
     lead = _NOW if whole else _lead(m, dead_time, compute_delay, dt)
     plant = Scaled.of(*exact, sensor, dt)
-    bits, limit = plant.first_bits(), 0
+    bits, last = plant.first_bits(), False
     try:
         while True:
             found = FixedResponse.of(plant, bits).sampled(lead).forms()
             missing = found.missing_bits()
             if missing == 0:
                 return found.rounded(dt, m)
-            if missing is None and bits >= limit > 0:
+            if missing is not None:
+                bits += missing
+            elif last:
                 return found.cleared().rounded(dt, m)
-            limit = limit or bits + found.lost_bits() + _NOTHING
-            bits = limit if missing is None else bits + missing
+            else:  # where the errors fill the number, they say nothing of what is missing
+                lost = found.lost_bits()
+                last = lost < bits
+                bits += lost + _NOTHING if last else bits
     except OverflowError:
         raise SpecError(
             "dt",

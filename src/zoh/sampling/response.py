@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import frexp
+from math import factorial, frexp
 from operator import mul
 
 from zoh.errors import SpecError
@@ -86,14 +86,15 @@ class Scaled:
         Poles and zeros far slower than the fastest, terms of the order of dt^n that fall out
         of terms of order 1, and exp(-p dt) of a fast pole beside 1.
         """
-        n, halvings = len(self.den) - 1, self.halvings()
+        n, halvings, exponent = len(self.den) - 1, self.halvings(), frexp(self.dt)[1]
         finer = self.rate - max(halvings, 0)  # log2 of what is of order 1, in 1/s
         slow = max(finer * i - log2_above(c) for i, c in enumerate(self.den) if c[0])
         weak = max(finer * i - log2_above(c) for i, c in enumerate(self.num) if c[0])
         if halvings <= 0 or not n:
             fast = -halvings * self.late
-        else:  # the product of the poles in z is exp(-den_1 dt)
-            fast = 3 * halvings + max(3 * fixed(self.den[1], frexp(self.dt)[1] - 1), 0)
+        else:  # the size of exp(sigma dt) to the n-th; the product of the poles, exp(-den_1 dt)
+            size = [k * (halvings - 1) - factorial(k).bit_length() for k in range(n)]
+            fast = 3 * halvings + n * max(size) + max(3 * fixed(self.den[1], exponent - 1), 0)
         return 84 + n * (n + 5) + max(slow, 0) + max(weak + self.gain, 0) + min(fast, _FAST)
 
 
