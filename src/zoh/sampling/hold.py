@@ -54,7 +54,15 @@ def sample(plant: Plant, dt: float, compute_delay: float = 0.0) -> Sampled:
         raise SpecError("plant", "must be a zoh.Plant", plant, "sample a continuous plant")
     dt = sample_time(dt)
     checks.not_negative("compute_delay", compute_delay, "give seconds, 0 or more")
-    return _held(plant.exact, plant.sensor, dt, plant.dead_time, float(compute_delay))
+    held = _held(plant.exact, plant.sensor, dt, plant.dead_time, float(compute_delay))
+    if not any(held.num):
+        raise SpecError(
+            "dt",
+            "must leave the sampled plant a gain that a float can hold",
+            dt,
+            "sample more slowly, or count the output in a smaller unit",
+        )
+    return held
 
 
 @lru_cache(maxsize=256)

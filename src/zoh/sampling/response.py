@@ -95,7 +95,7 @@ class Scaled:
         else:  # the size of exp(sigma dt) to the n-th; the product of the poles, exp(-den_1 dt)
             size = [k * (halvings - 1) - factorial(k).bit_length() for k in range(n)]
             fast = 3 * halvings + n * max(size) + max(3 * fixed(self.den[1], exponent - 1), 0)
-        return 84 + n * (n + 5) + max(slow, 0) + max(weak + self.gain, 0) + min(fast, _FAST)
+        return 84 + 7 * n + max(slow, 0) + max(weak + self.gain, 0) + min(fast, _FAST)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
