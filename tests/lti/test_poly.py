@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from mpmath import mp
+from mpmath import mp, mpf
 
 from zoh.lti import poly
 
@@ -114,6 +114,39 @@ def test_roots_far_apart_keep_their_digits():
     assert found[0] == pytest.approx(-1e4, rel=1e-12)
     # 1e-9: a root 1e6 below the largest may cost six digits of sixteen
     assert found[1] == pytest.approx(-1e-2, rel=1e-9)
+
+
+def of_parabola(a):
+    """Return the roots in sixty digits."""
+    with mp.workdps(60):
+        a0, a1, a2 = map(mpf, a)
+        root = mp.sqrt(a1 * a1 - 4 * a0 * a2)
+        far = -(a1 + (root if a1 > 0 else -root)) / 2
+        return sorted([far / a0, a2 / far], key=lambda r: (r.real, r.imag)) if root.real else [
+            (-a1 - s * root) / (2 * a0) for s in (1, -1)
+        ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "a",
+    [
+        (1.0, 1e4 + 1e-2, 1e2),  # twelve decades apart
+        (1.0, -1e8, 1.0),
+        (1.0, 2.0, 1.0),  # twice -1
+        (1.0, 2.0, 1.0 - 2**-52),  # 3e-8 apart
+        (1.0, 2.0, 1.0 + 2**-52),
+        (0.1, 0.2, 0.1),
+        (1.0, 1e-9, 1.0),
+        (-3.0, 0.0, 5.0),
+        (1e-200, 1.0, 1e-200),
+        (1e150, 3e150, 1e150),
+    ],
+)
+def test_roots_of_a_parabola_are_the_floats_next_to_them(a):
+    found = sorted(poly.roots(a).tolist(), key=lambda r: (r.real, r.imag))
+    for got, truth in zip(found, of_parabola(a), strict=True):
+        assert abs(got.real - mp.re(truth)) <= 1.2e-16 * abs(mp.re(truth))
+        assert abs(got.imag - mp.im(truth)) <= 1.2e-16 * abs(mp.im(truth))
 
 
 def test_constants_have_no_roots():

@@ -77,6 +77,19 @@ def test_a_sampled_system_at_a_frequency_is_its_fraction_in_z(poles, gain, dt):
         assert system.at(w) == pytest.approx(truth, rel=1e-11, abs=1e-11)
 
 
+@given(
+    st.lists(st.floats(-2, 2), min_size=1, max_size=5),
+    st.integers(0, 3),
+    st.floats(1e-3, 1),
+    st.floats(0, 40),
+)
+def test_one_frequency_and_an_array_are_one_answer(poles, delay, dt, wc):
+    den = [float(c) for c in np.poly(poles)]
+    system = Sampled.from_w(num_w=[0.7, 1.3], den_w=den, dt=dt, delay=delay)
+    one, many = system.at(wc), system.at([wc])[0]
+    assert one == many or one == pytest.approx(many, rel=1e-12)
+
+
 def test_nyquist_is_a_frequency_like_any_other():
     assert Sampled(num=[0.1], den=[1, -0.9], dt=0.1).at(pi / 0.1) == pytest.approx(-0.1 / 1.9)
 
@@ -137,6 +150,18 @@ def test_from_w_is_the_fraction_in_w(num, den, delay):
     # 1e-10: the two guards above let a factor of 1e4 of the roundings through
     assert in_z == pytest.approx(truth, rel=1e-10, abs=1e-10 * scale)
     assert system.at(0.7 / dt) == pytest.approx(truth, rel=1e-10, abs=1e-10 * scale)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: Sampled.from_w(num_w=[1e300, 0, 0], den_w=[1e-300, 1e-300, 1.0], dt=1e-5),
+        lambda: Sampled(num=[1], den=[1, 0, 0], dt=1e200),
+    ],
+)
+def test_coefficients_that_no_float_holds_are_refused(make):
+    with pytest.raises(SpecError, match=r"range in z and in w"):
+        make()
 
 
 def test_values_are_frozen_hashable_and_equal():

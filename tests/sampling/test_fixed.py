@@ -88,9 +88,9 @@ def test_the_errors_leave_most_bits():
 def test_missing_bits_are_counted():
     plant = Plant(num=[2.3], den=[1, 0.7809, 0])
     scaled = Scaled.of(*plant.exact, 1.0, 0.1)
-    missing = FixedResponse.of(scaled, 80).sampled((0, 1)).forms().missing_bits()
+    missing = FixedResponse.of(scaled, 60).sampled((0, 1)).forms().missing_bits()
     assert 0 < missing < 30
-    assert FixedResponse.of(scaled, 80 + missing).sampled((0, 1)).forms().missing_bits() == 0
+    assert FixedResponse.of(scaled, 60 + missing).sampled((0, 1)).forms().missing_bits() == 0
 
 
 def test_a_double_integrator_has_a_zero_that_no_bits_show():

@@ -193,3 +193,8 @@ def test_refuses_to_sample_what_is_sampled():
 def test_refuses_a_plant_that_leaves_the_floats_within_a_sample():
     with pytest.raises(SpecError, match="sample faster"):
         sample(Plant(num=[1], den=[1, -1]), 1e3)
+
+
+def test_refuses_a_plant_whose_gain_is_lost_within_a_sample():
+    with pytest.raises(SpecError, match="a gain that a float can hold"):
+        sample(Plant(num=[1], den=[1, 0, 0]), 1e-200)  # dt^2/2

@@ -57,13 +57,14 @@ def homogeneous(a: Sequence[float], x: Any, y: Any) -> Any:
 
 
 def quotient(top: Any, bottom: Any) -> Any:
-    """Return top/bottom of arrays, infinite where bottom is 0.
+    """Return top/bottom of arrays, infinite where bottom is 0 or the quotient beyond a float.
 
     >>> quotient(np.array([1.0, 1.0]), np.array([2.0, 0.0]))
     array([0.5+0.j, inf+0.j])
     """
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(bottom == 0, complex(np.inf, 0), top / np.where(bottom == 0, 1, bottom))
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        value = top / np.where(bottom == 0, 1, bottom)
+        return np.where((bottom == 0) | ~np.isfinite(value), complex(np.inf, 0), value)
 
 
 def times(a: Sequence[float], b: Sequence[float]) -> Poly:

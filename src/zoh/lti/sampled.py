@@ -134,7 +134,8 @@ class Sampled:
         if bottom == 0:
             return complex(math.inf, 0.0)
         late = cmath.exp(complex(0.0, -wc * self.dt * self.delay)) if self.delay else 1.0
-        return complex(poly.homogeneous(self.num_w, x, y) * late / bottom)
+        value = complex(poly.homogeneous(self.num_w, x, y) * late / bottom)
+        return value if cmath.isfinite(value) else complex(math.inf, 0.0)
 
     def __mul__(self, other: "Sampled") -> "Sampled":
         """Return the two in series; both must have the same dt."""

@@ -54,7 +54,15 @@ def sample(plant: Plant, dt: float, compute_delay: float = 0.0) -> Sampled:
         raise SpecError("plant", "must be a zoh.Plant", plant, "sample a continuous plant")
     dt = sample_time(dt)
     checks.not_negative("compute_delay", compute_delay, "give seconds, 0 or more")
-    return _held(plant.exact, plant.sensor, dt, plant.dead_time, float(compute_delay))
+    held = _held(plant.exact, plant.sensor, dt, plant.dead_time, float(compute_delay))
+    if not any(held.num):
+        raise SpecError(
+            "dt",
+            "must leave the sampled plant a gain that a float can hold",
+            dt,
+            "sample more slowly, or count the output in a smaller unit",
+        )
+    return held
 
 
 @lru_cache(maxsize=256)
@@ -65,17 +73,21 @@ def _held(
     m, whole = _samples(dead_time, compute_delay, dt)
     lead = _NOW if whole else _lead(m, dead_time, compute_delay, dt)
     plant = Scaled.of(*exact, sensor, dt)
-    bits, limit = plant.first_bits(), 0
+    bits, last = plant.first_bits(), False
     try:
         while True:
             found = FixedResponse.of(plant, bits).sampled(lead).forms()
             missing = found.missing_bits()
             if missing == 0:
                 return found.rounded(dt, m)
-            if missing is None and bits >= limit > 0:
+            if missing is not None:
+                bits += missing
+            elif last:
                 return found.cleared().rounded(dt, m)
-            limit = limit or bits + found.lost_bits() + _NOTHING
-            bits = limit if missing is None else bits + missing
+            else:  # where the errors fill the number, they say nothing of what is missing
+                lost = found.lost_bits()
+                last = lost < bits
+                bits += lost + _NOTHING if last else bits
     except OverflowError:
         raise SpecError(
             "dt",

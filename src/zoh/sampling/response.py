@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import frexp
+from math import factorial, frexp
 from operator import mul
 
 from zoh.errors import SpecError
@@ -86,15 +86,16 @@ class Scaled:
         Poles and zeros far slower than the fastest, terms of the order of dt^n that fall out
         of terms of order 1, and exp(-p dt) of a fast pole beside 1.
         """
-        n, halvings = len(self.den) - 1, self.halvings()
+        n, halvings, exponent = len(self.den) - 1, self.halvings(), frexp(self.dt)[1]
         finer = self.rate - max(halvings, 0)  # log2 of what is of order 1, in 1/s
         slow = max(finer * i - log2_above(c) for i, c in enumerate(self.den) if c[0])
         weak = max(finer * i - log2_above(c) for i, c in enumerate(self.num) if c[0])
         if halvings <= 0 or not n:
             fast = -halvings * self.late
-        else:  # the product of the poles in z is exp(-den_1 dt)
-            fast = 3 * halvings + max(3 * fixed(self.den[1], frexp(self.dt)[1] - 1), 0)
-        return 84 + n * (n + 5) + max(slow, 0) + max(weak + self.gain, 0) + min(fast, _FAST)
+        else:  # the size of exp(sigma dt) to the n-th; the product of the poles, exp(-den_1 dt)
+            size = [k * (halvings - 1) - factorial(k).bit_length() for k in range(n)]
+            fast = 3 * halvings + n * max(size) + max(3 * fixed(self.den[1], exponent - 1), 0)
+        return 74 + 7 * n + max(slow, 0) + max(weak + self.gain, 0) + min(fast, _FAST)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -157,8 +158,8 @@ class FixedResponse:
         differences = [start, *(sum(map(mul, slopes, p)) >> bits for p in powers)]
         sums = [sum(map(mul, self.sums, p)) >> bits for p in powers[: plant.moving]]
         n = len(powers)
-        error = (ring.norm(slopes) + error) * power_error + size * error + 2
-        sums_error = (n * n + self.error) * power_error + size * self.error + 2
+        error = _dot_error(ring.norm(slopes), error, size, power_error, bits)
+        sums_error = _dot_error(n, self.error, size, power_error, bits)
         den, den_error = delta.from_power_sums(sums, sums_error, bits)
         den += [0] * (n - plant.moving)
         num, num_error = delta.product(den, den_error, differences, error, bits)
@@ -185,7 +186,13 @@ class FixedResponse:
             found.append(sum(map(mul, self.slopes, element)) >> bits)
             element = ring.times_sigma(element)
         error += (n + 1) * n * (2 + size)
-        return start, found, (size_slopes + self.error) * error + (size + 1) * self.error + 2
+        return start, found, _dot_error(size_slopes, self.error, size + 2, error, bits)
+
+
+def _dot_error(largest: int, error: int, size: int, element_error: int, bits: int) -> int:
+    """Return the error of a functional's value, given its numbers' and the element's sizes."""
+    both = error * element_error >> bits
+    return largest * element_error + size * error + both + 2
 
 
 def _at_origin(a: Sequence[Ratio]) -> int:
