@@ -15,9 +15,10 @@ import zoh.design as _laws  # before the function of the same name below, which 
 if TYPE_CHECKING:
     from zoh.analysis.closed import EXCITATIONS
     from zoh.analysis.margins import margins
+    from zoh.analysis.curves import Trace, trace
     from zoh.analysis.responses import Response, noise_gains, response, response_trace
     from zoh.analysis.results import Margins, StepInfo
-    from zoh.analysis.step import Trace, step_info, trace
+    from zoh.analysis.step import step_info
     from zoh.analysis.verify import Measured, Verified, measure, verify
     from zoh.certificate import LAWS
     from zoh.errors import Infeasible, NotMet, SpecError, ZohError
@@ -74,7 +75,8 @@ _HOMES = {
     "zoh.analysis.margins": ("margins",),
     "zoh.analysis.responses": ("Response", "noise_gains", "response", "response_trace"),
     "zoh.analysis.results": ("Margins", "StepInfo"),
-    "zoh.analysis.step": ("Trace", "step_info", "trace"),
+    "zoh.analysis.curves": ("Trace", "trace"),
+    "zoh.analysis.step": ("step_info",),
     "zoh.analysis.verify": ("Measured", "Verified", "measure", "verify"),
     "zoh.certificate": ("LAWS",),
     "zoh.errors": ("Infeasible", "NotMet", "SpecError", "ZohError"),

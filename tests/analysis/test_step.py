@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from zoh.analysis.step import step_info, trace
+from zoh.analysis.curves import trace
+from zoh.analysis.step import step_info
 from zoh.analysis.verify import measure
 from zoh.errors import SpecError
 from zoh.lti.systems import Plant, Sampled

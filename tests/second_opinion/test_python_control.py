@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from zoh.analysis.margins import margins
-from zoh.analysis.step import step_info, trace
+from zoh.analysis.curves import trace
+from zoh.analysis.step import step_info
 from zoh.lti.systems import Plant, Sampled
 from zoh.sampling.hold import sample
 

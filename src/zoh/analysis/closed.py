@@ -6,25 +6,25 @@ input is after its dead time.
 Source: K. J. Astrom and B. Wittenmark, Computer-Controlled Systems, 3rd ed., ch. 2 and 3.
 """
 
+from collections.abc import Sequence
 from decimal import Decimal
-from math import ceil
 from typing import Literal
 
 import numpy as np
 
 from zoh.analysis.loop import Array
-from zoh.analysis.motion import Motion, Segment
+from zoh.analysis.motion import Motion, Stretch
 from zoh.analysis.realised import realised
 from zoh.errors import SpecError
 from zoh.lti import digits
 from zoh.lti.systems import Plant, Sampled
 from zoh.sampling.between import Held
-from zoh.sampling.hold import whole_samples
+from zoh.sampling.hold import MAX_DELAY, whole_samples
 
 Excitation = Literal["step", "impulse", "ramp", "disturbance"]
 EXCITATIONS: tuple[Excitation, ...] = ("step", "impulse", "ramp", "disturbance")
 
-LONGEST_DELAY = 400  # samples carried in the state
+CARRIED = 64  # samples of delay carried in the state; more stand in a queue
 
 
 def closed_loop(
@@ -34,7 +34,7 @@ def closed_loop(
 
     step         the reference is 1 from k = 0 on
     impulse      the reference is 1 at k = 0 alone
-    ramp         the reference is k dt
+    ramp         the reference is the time; the output is the error, reference minus y
     disturbance  1 is added to the plant's input from t = 0 on
 
     Raises SpecError where the loop has no solution (an algebraic loop of gain -1), or carries
@@ -42,50 +42,86 @@ def closed_loop(
     """
     if by not in EXCITATIONS:
         raise SpecError("by", f"must be one of {', '.join(EXCITATIONS)}", by, "choose one of these")
-    m, lead = followable(plant, controller.dt, compute_delay, controller.delay)
-    held = Held.of(plant, controller.dt)
-    ac, bc, cc, dc = realised(controller)
-    n, nc = len(held.c), len(cc)
-    own = n + m + nc
-    unit = np.eye(own + 2)
-    x, past, xc, signal, one = unit[:n], unit[n : n + m], unit[n + m : own], unit[-2], unit[-1]
-    r = {"step": one, "disturbance": 0 * one}.get(by, signal)
-    d = one if by == "disturbance" else 0 * one
-    still = held.c @ x + held.d * (d + past[-1] if m else d)  # y but for the input of now
-    direct = held.d if not m else 0.0
-    if 1 + dc * direct == 0:
-        raise SpecError(
-            "controller", "must not close an algebraic loop of gain -1", dc, "add delay"
-        )
-    u = (cc @ xc + dc * (r - still)) / (1 + dc * direct)
-    output = still + direct * u
-    before = past[-1] if m else u
-    after = (past[-2] if m > 1 else u) if m else u
-    segments = _segments(held, x, before + d, after + d, lead)
-    delta = np.zeros_like(unit)
-    delta[:n] = segments[-1].states[-1] - x
-    for i in range(m):
-        delta[n + i] = (past[i - 1] if i else u) - past[i]
-    delta[n + m : own] = ac @ xc + np.outer(bc, r - output)
-    delta[-2] = {"ramp": controller.dt * one, "impulse": -signal}.get(by, 0 * one)
+    dt = controller.dt
+    m, lead = followable(plant, dt, compute_delay, controller.delay)
+    held, (a, c, direct) = Held.of(plant, dt), realised(controller)
+    n, kept = len(held.c), m if m <= CARRIED else 2
+    first = n + kept  # of the controller's states
+    own = first + len(a)
+    one, size = own + 1, own + 2
+    y, u, r = np.zeros(size), np.zeros(size), own if by in ("impulse", "ramp") else one
+    y[:n] = held.c
+    if kept:
+        y[first - 1] = held.d
+    if by == "disturbance":
+        y[one] = held.d
+    u[first:own] = c
+    u -= direct * y
+    if by != "disturbance":
+        u[r] += direct
+    if not kept and held.d:
+        u = _through(u, y, direct, held.d)
+    before, after = _inputs(u, first, kept, by == "disturbance")
+    stretches, moved = _between(held, before, after, lead)
+    delta = np.zeros((size, size))
+    delta[:n] = moved
+    if kept:
+        delta[n:first, n:first] = np.eye(kept, k=-1) - np.eye(kept)
+        delta[n] += u
+    if a:
+        delta[first:own, first:own] = np.eye(len(a), k=-1)
+        delta[first] -= y
+        delta[first, first:own] -= a
+        if by != "disturbance":
+            delta[first, r] += 1.0
+    start = np.zeros(size)
+    start[one] = 1.0
+    if by == "ramp":
+        delta[own, one] = dt
+        y, stretches = _error(y, stretches, own, dt)
+    elif by == "impulse":
+        delta[own, own], start[own] = -1.0, 1.0
     return Motion(
-        dt=controller.dt, delta=delta, start=one + signal if by == "impulse" else one, own=own,
-        output=output, effort=u, held=held, segments=segments,
+        dt=dt, delta=delta, start=start, own=own, output=y, effort=u, stretches=stretches,
+        wait=m - 1 if m > CARRIED else 0, fed=n,
     )  # fmt: skip
+
+
+def _through(u: Array, y: Array, direct: float, d: float) -> Array:
+    """Return u where the plant answers at once, its share put into y in place."""
+    if 1 + direct * d == 0:
+        raise SpecError(
+            "controller", "must not close an algebraic loop of gain -1", direct, "add delay"
+        )
+    u = u / (1 + direct * d)
+    y += d * u
+    return u
+
+
+def _inputs(u: Array, first: int, kept: int, disturbed: bool) -> tuple[Array, Array]:
+    """Return the plant's input at the start of a sample and at its end, as rows on Z."""
+    before, after = u.copy(), u.copy()
+    for row, late in ((before, 1), (after, 2)):
+        if kept >= late:
+            row[:] = 0.0
+            row[first - late] = 1.0
+        if disturbed:
+            row[-1] += 1.0
+    return before, after
 
 
 def followable(plant: Plant, dt: float, compute_delay: float, more: int = 0) -> tuple[int, Decimal]:
     """Return the loop's delay as (m, lead), m samples less a fraction, ``more`` samples included.
 
-    Raises SpecError for more samples than a time response is followed through.
+    Raises SpecError for more samples than a loop may wait.
     """
     if not isinstance(plant, Plant):
         raise SpecError("plant", "must be a zoh.Plant", plant, "give num and den, or a formula")
     m, lead = whole_samples(plant.dead_time, compute_delay, dt)
-    if m + more > LONGEST_DELAY:
+    if m + more > MAX_DELAY:
         raise SpecError(
             "dead_time + compute_delay",
-            f"must be at most {LONGEST_DELAY} samples ({LONGEST_DELAY * dt:.6g} s) in a loop",
+            f"must be at most {MAX_DELAY} samples ({MAX_DELAY * dt:.6g} s) in a loop",
             m + more,
             "sample more slowly",
         )
@@ -93,80 +129,82 @@ def followable(plant: Plant, dt: float, compute_delay: float, more: int = 0) -> 
 
 
 def autonomous(system: Sampled) -> Motion:
-    """Return the step response of a sampled system as a motion known at the samples only."""
-    a, b, c, d = realised(system)
-    m = system.delay
-    size = len(c) + m + 1
-    unit = np.eye(size)
-    delta = np.zeros((size, size))
-    held_back = unit[len(c) : len(c) + m]
-    for i in range(m):
-        delta[len(c) + i] = (held_back[i - 1] if i else unit[-1]) - held_back[i]
-    fed = held_back[-1] if m else unit[-1]
-    delta[: len(c)] = a @ unit[: len(c)] + np.outer(b, fed)
-    output = c @ unit[: len(c)] + d * fed
+    """Return the step response of a sampled system, its delay left out, at the samples only."""
+    a, c, d = realised(system)
+    n = len(a)
+    delta, output, start = np.zeros((n + 1, n + 1)), np.zeros(n + 1), np.zeros(n + 1)
+    start[n] = 1.0
+    if n:
+        delta[:n, :n] = np.eye(n, k=-1)
+        delta[0, :n] -= a
+        delta[0, n] = 1.0
+    output[:n], output[n] = c, d
     return Motion(
-        dt=system.dt, delta=delta, start=unit[-1], own=size - 1, output=output,
-        effort=None, held=None, segments=(),
-    )  # fmt: skip
+        dt=system.dt, delta=delta, start=start, own=n, output=output, effort=None, stretches=()
+    )
 
 
 def continuous(plant: Plant, dt: float) -> Motion:
     """Return the step response of a continuous system, cut into intervals of dt; no dead time."""
     held = Held.of(plant, dt)
     n = len(held.c)
-    unit = np.eye(n + 1)
-    segments = _segments(held, unit[:n], unit[-1], unit[-1], Decimal(0))
-    delta = np.zeros((n + 1, n + 1))
-    if n:
-        delta[:n] = segments[-1].states[-1] - unit[:n]
-    output = held.c @ unit[:n] + held.d * unit[-1]
+    one = np.zeros(n + 1)
+    one[n] = 1.0
+    stretches, moved = _between(held, one, one, Decimal(0))
+    delta, output = np.zeros((n + 1, n + 1)), held.d * one
+    delta[:n], output[:n] = moved, held.c
     return Motion(
-        dt=dt, delta=delta, start=unit[-1], own=n, output=output,
-        effort=None, held=held, segments=segments,
-    )  # fmt: skip
+        dt=dt, delta=delta, start=one, own=n, output=output, effort=None, stretches=stretches
+    )
 
 
-def _segments(
-    held: Held, x: Array, before: Array, after: Array, lead: Decimal
-) -> tuple[Segment, ...]:
-    """Return the stretches of one sample: input ``before`` until 1 - lead, then ``after``."""
+def _between(
+    held: Held, before: Array, after: Array, lead: Decimal
+) -> tuple[list[Stretch], Array]:
+    """Return (the stretches of a sample, what the plant's state moves by, shape (n, N)).
+
+    The plant's input is ``before`` until 1 - lead, then ``after``.
+    """
+    n = len(held.c)
+    x = np.zeros((n, len(before)))
+    x[:, :n] = np.eye(n)
+    if not lead:
+        phi, gamma = held.move(1.0)
+        return _stretches(held, x, before, 0.0, 1.0), phi @ x + np.outer(gamma, before)
     with digits.precision(digits.KEPT):
         switch = 1 - lead
-    first = _segment(held, 0.0, switch, x, before)
-    if not lead:
-        return (first,)
-    return first, _segment(held, float(switch), lead, first.states[-1], after)
+    phi, gamma = held.move(switch)
+    moved = phi @ x + np.outer(gamma, before)
+    first = _stretches(held, x, before, 0.0, float(switch))
+    phi, gamma = held.move(lead)
+    second = _stretches(held, x + moved, after, float(switch), float(lead))
+    moved = moved + (phi @ (x + moved) + np.outer(gamma, after))
+    return (first + second if first and second else []), moved
 
 
-def _segment(held: Held, start: float, length: Decimal, x: Array, u: Array) -> Segment:
-    times, exact = _fractions(held, length)
-    states = np.empty((len(times), *x.shape))
-    states[0] = x
-    if exact:
-        moves = [held.move(Decimal(t)) for t in times[1:-1]] + [held.move(length)]
-        for i, (delta, gamma) in enumerate(moves, 1):
-            states[i] = x + delta @ x + np.outer(gamma, u)
-    else:
-        delta, gamma = held.move(Decimal(float(times[1])))
-        for i in range(1, len(times) - 1):
-            states[i] = states[i - 1] + delta @ states[i - 1] + np.outer(gamma, u)
-        delta, gamma = held.move(length)
-        states[-1] = x + delta @ x + np.outer(gamma, u)
-    return Segment(start=start, times=times, states=states, input=u)
+def _stretches(held: Held, x: Array, u: Array, begin: float, length: float) -> list[Stretch]:
+    """Return the stretches over a constant input u, from the state x at its begin on."""
+    out = []
+    for t, span in held.stretches(length):
+        on_state, on_input = held.taylor(t, held.terms(span))
+        rows = on_state @ x + np.outer(on_input, u)
+        if span != 1.0:
+            rows *= (span ** np.arange(len(rows)))[:, None]
+        out.append(Stretch(begin=begin + t, span=span, rows=rows))
+    return out
 
 
-def _fractions(held: Held, length: Decimal) -> tuple[Array, bool]:
-    """Return the times in a segment to look at, and whether each needs its own exponential.
-
-    Half a radian of the fastest mode apart; where that mode is over in a fraction of the
-    sample, ever wider apart from the start on, where it is excited.
-    """
-    end = float(length)
-    fastest = held.fastest
-    count = int(min(64, max(8, 2 ** ceil(np.log2(2 * fastest * end + 1e-300)))))
-    even = np.linspace(0.0, end, count + 1)
-    if fastest * end <= 32:
-        return even, False
-    early = np.geomspace(0.02 / fastest, end, 120, endpoint=False)
-    return np.unique(np.concatenate([even, early])), True
+def _error(
+    y: Array, stretches: Sequence[Stretch], signal: int, dt: float
+) -> tuple[Array, list[Stretch]]:
+    """Return output and stretches of a ramp's error, time minus y, also between the samples."""
+    unit = np.eye(len(y))
+    r, one = unit[signal], unit[signal + 1]
+    out = []
+    for part in stretches:
+        rows = -part.rows
+        rows[0] += r + part.begin * dt * one
+        if len(rows) > 1:
+            rows[1] += part.span * dt * one
+        out.append(Stretch(begin=part.begin, span=part.span, rows=rows))
+    return r - y, out

@@ -1,61 +1,42 @@
 """A sampled system as states that move by small steps.
 
-x(k+1) = x(k) + delta x(k) + b e(k), u = c x + d e: with delta instead of delta + I a small dt
-costs no digits.
-Source: the state space of the bilinear transformation, K. J. Astrom and B. Wittenmark,
-Computer-Controlled Systems, 3rd ed., ch. 8 (Tustin's approximation).
+With delta = z - 1 a pole near z = 1 is a small number, kept to its last digit, and a small dt
+costs nothing. A pole at z = -1 is no special case.
+Source: R. H. Middleton and G. C. Goodwin, Digital Control and Estimation: A Unified Approach
+(the delta operator).
 """
 
-from collections.abc import Sequence
+from decimal import Decimal
+from math import comb
 
-import numpy as np
-
-from zoh.analysis.loop import Array
-from zoh.lti import poly
+from zoh.lti import digits
+from zoh.lti.poly import Poly
 from zoh.lti.systems import Sampled
 
 
-def realised(system: Sampled) -> tuple[Array, Array, Array, float]:
-    """Return (delta, b, c, d) with x(k+1) = x(k) + delta x(k) + b e(k), u = c x + d e.
+def realised(system: Sampled) -> tuple[list[float], list[float], float]:
+    """Return (a, c, d), the system without its delay as a chain of sums.
 
-    From the w-form: with w = (2/dt)(z-1)/(z+1), (A, B, C, D) in w gives, h = dt/2 and
-    M = (I - h A)^-1, the matrices 2 h M A, 2 h M B, C M, D + h C M B. A pole at z = -1 has no
-    w-form: there the z-form serves. The delay is not in it.
+    x_0(k+1) = x_0(k) - a x(k) + e(k), x_i(k+1) = x_i(k) + x_{i-1}(k), u = c x + d e.
+
+    >>> realised(Sampled(num=[0.5], den=[1, -0.5], dt=1.0))
+    ([0.5], [0.5], 0.0)
     """
-    if system.den_w[0] == 0:
-        a, b, c, d = _companion(
-            _without_delay(system.num, system), _without_delay(system.den, system)
-        )
-        return a - np.eye(len(c)), b, c, d
-    h = system.dt / 2
-    n = len(system.den_w) - 1
-    scale = _scale(system.den_w)
-    num = [x * scale ** (k - n) for k, x in zip(range(n, -1, -1), system.num_w, strict=True)]
-    den = [x * scale ** (k - n) for k, x in zip(range(n, -1, -1), system.den_w, strict=True)]
-    a, b, c, d = _companion(num, den)
-    a, b = a * scale, b * scale
-    m = np.linalg.inv(np.eye(n) - h * a) if n else a
-    return 2 * h * m @ a, 2 * h * m @ b, c @ m, d + h * float(c @ m @ b)
+    with digits.precision(digits.KEPT):
+        num, den = (_in_delta(a, system.dt) for a in (system.num_w, system.den_w))
+        b, a = [x / den[0] for x in num], [x / den[0] for x in den]
+        c = [x - b[0] * y for x, y in zip(b[1:], a[1:], strict=True)]
+    return [float(x) for x in a[1:]], [float(x) for x in c], float(b[0])
 
 
-def _scale(den: Sequence[float]) -> float:
-    """Return the typical size of the roots, by which the companion form is balanced."""
-    sizes = np.abs(poly.roots(den))
-    sizes = sizes[sizes > 0]
-    return float(np.exp(np.log(sizes).mean())) if sizes.size else 1.0
-
-
-def _companion(num: Sequence[float], den: Sequence[float]) -> tuple[Array, Array, Array, float]:
-    n = len(den) - 1
-    monic = np.array(den[1:]) / den[0]
-    top = np.array(poly.padded(num, n + 1)) / den[0]
-    a = np.eye(n, k=-1)
-    if n:
-        a[0] = -monic
-    return a, np.eye(n, 1).ravel(), top[1:] - top[0] * monic, float(top[0])
-
-
-def _without_delay(a: Sequence[float], system: Sampled) -> Sequence[float]:
-    if a is system.den and system.delay:
-        return a[: -system.delay]
-    return a
+def _in_delta(a_w: Poly, dt: float) -> list[Decimal]:
+    """Return (dt/2)^n (2 + delta)^n a(w) in delta, descending, w = (2/dt) delta/(2 + delta)."""
+    n = len(a_w) - 1
+    out, half, power = [Decimal(0)] * (n + 1), Decimal(dt) / 2, Decimal(1)
+    for j, c in enumerate(a_w):  # c w^(n-j) becomes c (dt/2)^j delta^(n-j) (2 + delta)^j
+        if c:
+            scaled = Decimal(c) * power
+            for i in range(j + 1):
+                out[j - i] += scaled * (comb(j, i) * 2 ** (j - i))
+        power *= half
+    return out

@@ -1,169 +1,185 @@
 """One output of a motion as a function of time, with its true extremes and crossings.
 
 The motion is known at a list of samples; where few are kept because nothing fast is left, the
-stretches that matter are filled in again. Inside a sample the output and its slope are known at
-fixed fractions, and between two of those it is a short Taylor series of the held plant.
+stretches that matter are filled in again. Inside a sample the output is one or more polynomials
+whose Bernstein coefficients bound it, so that only samples that can hold an extreme or a crossing
+are looked into, and none that can is left out.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from zoh.analysis.loop import Array
-from zoh.analysis.motion import Indices, Motion
-from zoh.analysis.pieces import (
-    WIDE,
-    Piece,
-    bounds,
-    crest,
-    enters,
-    exits,
-    series_piece,
-    stiff_piece,
-    taylor_rows,
-)
+from zoh.analysis.motion import Indices, Motion, Track
+from zoh.analysis.pieces import Piece, bernstein
 
-_CRESTS = 200  # the first ones and the likeliest ones that are followed to their top
+_ROUNDING = 1e-14  # of the largest output: what exceeds by less does not exceed
+_CELLS = 4_000_000  # numbers bounded at once
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Waveform:
-    """y along a motion.
+    """y along a motion, and the effort u with it.
 
-    k, states  the samples at which the state is known, shape (K,) and (K, N)
-    y          the output there, shape (K,)
+    k, states  the samples at which the state is known, shape (K,), and it, shape (N, K)
+    y, u       the output and the effort there, shape (K,)
     low, high  bounds of the output from each sample to the next, shape (K,)
-    taylor     the output's series inside a sample, as rows on the plant's state and input
+    rounding   what is too small to count
     """
 
     motion: Motion
     k: Indices
     states: Array
     y: Array
+    u: Array
     low: Array
     high: Array
-    taylor: tuple[Array, Array]
+    rounding: float
 
     @classmethod
-    def of(
-        cls, motion: Motion, row: Array, track: tuple[Indices, Array], final: float
-    ) -> "Waveform":
-        """Return ``row`` times the state along a track, filled in where its metrics need it."""
-        k, states = track
-        while wanted := _stretches(k, states @ row, final):
-            k, states = _filled(motion, k, states, wanted)
-        y = states @ row
-        low, high = bounds(motion, k, states, y)
-        taylor = taylor_rows(motion.held)
-        return cls(motion=motion, k=k, states=states, y=y, low=low, high=high, taylor=taylor)
+    def of(cls, motion: Motion, track: Track, final: float) -> "Waveform":
+        """Return the output along a track, filled in where its metrics need it."""
+        effort = np.zeros_like(motion.output) if motion.effort is None else motion.effort
+        both = np.stack([motion.output, effort])
+        seen = both @ track.states
+        while wanted := _stretches(track.k, seen[0], seen[1], final):
+            track = _filled(motion, track, wanted)
+            seen = both @ track.states
+        low, high = bounds(motion, track.states, seen[0])
+        scale = max(float(high.max()), -float(low.min()))
+        return cls(
+            motion=motion, k=track.k, states=track.states, y=seen[0], u=seen[1],
+            low=low, high=high, rounding=_ROUNDING * scale,
+        )  # fmt: skip
 
-    def furthest(self, sign: float, *, between: bool) -> tuple[float, float]:
-        """Return (time in s, sign * y) where sign * y is largest."""
-        i = int(np.argmax(sign * self.y))
-        best = float(self.k[i]), float(sign * self.y[i])
-        if between:
-            bound = self.high if sign > 0 else -self.low
-            rows = np.flatnonzero(bound > best[1])
-            by_bound = rows[np.argsort(-bound[rows])][:_CRESTS]
-            for i in np.unique(np.concatenate([rows[:_CRESTS], by_bound])):
-                if bound[i] <= best[1]:
-                    continue
-                for piece in self._pieces(int(i)):
-                    for t in (0.0, piece.span, crest(piece, sign)):
-                        if t is not None and sign * piece.value(t) > best[1]:
-                            best = piece.t + t, sign * piece.value(t)
+    def turned(self) -> "Waveform":
+        """Return -y."""
+        return replace(self, y=-self.y, low=-self.high, high=-self.low)
+
+    def highest(self) -> tuple[float, float]:
+        """Return (time in s, y) where y is largest at the samples."""
+        i = int(self.y.argmax())
+        return float(self.k[i]) * self.motion.dt, float(self.y[i])
+
+    def highest_between(self, sign: float) -> tuple[float, float]:
+        """Return (time in s, y) where y, which is ``sign`` times the output, is largest at all."""
+        i = int(self.y.argmax())
+        best = float(self.k[i]), float(self.y[i])
+        rows = (self.high > best[1] + self.rounding).nonzero()[0]
+        if len(rows) > 1:
+            rows = rows[(-self.high[rows]).argsort(kind="stable")]
+        for i in rows.tolist():
+            if self.high[i] <= best[1] + self.rounding:
+                break
+            for begin, span, piece in self._pieces(i, sign):
+                t, value = piece.highest()
+                if value > best[1]:
+                    best = float(self.k[i]) + begin + span * t, value
         return best[0] * self.motion.dt, best[1]
 
-    def first_reaches(self, sign: float, level: float, *, between: bool) -> float | None:
-        """Return the first time in s at which sign * y is ``level`` or more; None if never."""
-        reached = np.flatnonzero(sign * self.y >= level)
-        at_sample = int(reached[0]) if reached.size else len(self.k)
-        if between:
-            bound = self.high if sign > 0 else -self.low
-            for i in np.flatnonzero(bound[:at_sample] >= level):
-                for piece in self._pieces(int(i)):
-                    found = enters(piece, sign, level)
-                    if found is not None:
-                        return (piece.t + found) * self.motion.dt
-        return float(self.k[at_sample]) * self.motion.dt if reached.size else None
+    def reaches(self, level: float) -> float | None:
+        """Return the first sample's time in s at which y is ``level`` or more; None if never."""
+        reached = self.y >= level
+        i = int(reached.argmax())
+        return float(self.k[i]) * self.motion.dt if reached[i] else None
 
-    def last_outside(self, final: float, band: float, *, between: bool) -> float | None:
-        """Return the time in s from which on |y - final| <= band; None if not by the horizon."""
-        outside = np.flatnonzero(np.abs(self.y - final) > band)
-        first_in = int(outside[-1]) + 1 if outside.size else 0
-        if first_in >= len(self.k):
-            return None
-        if between:
-            off = np.maximum(self.high - final, final - self.low)
-            for i in np.flatnonzero(off > band)[::-1]:
-                last = self._leaves(final, band, int(i))
-                if last is not None:
-                    return last * self.motion.dt
-        return float(self.k[first_in]) * self.motion.dt
-
-    def _leaves(self, final: float, band: float, row: int) -> float | None:
-        """Return the last instant of the row's sample outside the band, in samples."""
-        for piece in reversed(self._pieces(row)):
-            ends = [exits(piece, sign, sign * final + band) for sign in (1.0, -1.0)]
-            found = [t for t in ends if t is not None]
-            if found:
-                return piece.t + max(found)
+    def reaches_between(self, level: float, sign: float) -> float | None:
+        """Return the first instant in s at which y is ``level`` or more; None if never."""
+        for i in (self.high >= level).nonzero()[0].tolist():
+            if self.y[i] >= level:
+                return float(self.k[i]) * self.motion.dt
+            for begin, span, piece in self._pieces(i, sign):
+                t = 0.0 if piece.a[0] >= level else next(piece.crossings(level), None)
+                if t is not None:
+                    return (float(self.k[i]) + begin + span * t) * self.motion.dt
         return None
 
-    def _pieces(self, i: int) -> list[Piece]:
-        """Return the pieces of row i's sample in order of time; none where it is not known."""
-        held = self.motion.held
-        if held is None or (i + 1 < len(self.k) and self.k[i + 1] != self.k[i] + 1):
-            return []
-        pieces = []
-        for segment in self.motion.segments:
-            u = float(segment.input @ self.states[i])
-            x = segment.states[:-1] @ self.states[i]
-            series = x @ self.taylor[0] + u * self.taylor[1]
-            begins = float(self.k[i]) + segment.start + segment.times
-            for j, h in enumerate(np.diff(segment.times).tolist()):
-                if held.fastest * h > WIDE:
-                    pieces.append(stiff_piece(held, x[j], u, float(begins[j]), h))
-                else:
-                    pieces.append(series_piece(series[j].tolist(), float(begins[j]), h))
-        return pieces
+    def settles(self, final: float, band: float) -> float | None:
+        """Return the first sample's time in s from which on |y - final| <= band at the samples."""
+        outside = (np.abs(self.y - final) > band).nonzero()[0]
+        first_in = int(outside[-1]) + 1 if len(outside) else 0
+        return float(self.k[first_in]) * self.motion.dt if first_in < len(self.k) else None
+
+    def settles_between(self, final: float, band: float, sign: float) -> float | None:
+        """Return the instant in s from which on |y - final| <= band; None if not by the horizon."""
+        outside = ((self.high > final + band) | (self.low < final - band)).nonzero()[0]
+        for i in outside[::-1].tolist():
+            for begin, span, piece in reversed(self._pieces(i, sign)):
+                left = _last_outside(piece, final, band)
+                if left is not None:
+                    if left == 1.0 and i + 1 == len(self.k):
+                        return None
+                    return (float(self.k[i]) + begin + span * left) * self.motion.dt
+        return 0.0
+
+    def _pieces(self, i: int, sign: float) -> list[tuple[float, float, Piece]]:
+        """Return (begin, span, polynomial) of the stretches of row i's sample, times ``sign``."""
+        out = []
+        for part in self.motion.stretches:
+            a = (part.rows @ self.states[:, i]).tolist()
+            out.append((part.begin, part.span, Piece.of(a).turned(sign)))
+        return out
 
 
-def _stretches(k: Indices, y: Array, final: float) -> list[int]:
+def _last_outside(piece: Piece, final: float, band: float) -> float | None:
+    """Return the last time at which the polynomial is outside the band, None where it never is."""
+    end = sum(piece.a)
+    if abs(end - final) > band:
+        return 1.0
+    leaves = [t for edge in (final + band, final - band) for t in piece.crossings(edge)]
+    return max(leaves, default=0.0 if abs(piece.a[0] - final) > band else None)
+
+
+def bounds(motion: Motion, states: Array, y: Array) -> tuple[Array, Array]:
+    """Return (low, high), bounds of the output between each sample and the next."""
+    rows = [bernstein(len(part.rows)) @ part.rows for part in motion.stretches]
+    if not rows:
+        return y, y
+    every = rows[0] if len(rows) == 1 else np.concatenate(rows)
+    low, high = np.empty_like(y), np.empty_like(y)
+    wide = max(1, _CELLS // len(every))
+    for begin in range(0, len(y), wide):
+        values = every @ states[:, begin : begin + wide]
+        values.min(axis=0, out=low[begin : begin + wide])
+        values.max(axis=0, out=high[begin : begin + wide])
+    return np.minimum(low, y), np.maximum(high, y)
+
+
+def _stretches(k: Indices, y: Array, u: Array, final: float) -> list[int]:
     """Return the rows before which samples were left out that a metric may need."""
-    coarse = np.flatnonzero(np.diff(k) > 1)
-    if not coarse.size:
+    if k[-1] - k[0] < len(k):
         return []
-    off = np.abs(y - final)
     size = abs(final)
-    marks = {int(np.argmax(y)), int(np.argmin(y))}
-    for level in (0.1, 0.9):
-        reached = np.flatnonzero(np.sign(final) * y >= level * size)
-        marks.add(int(reached[0]) if reached.size else 0)
-    outside = np.flatnonzero(off > 0.02 * size)
-    after = int(outside[-1]) if outside.size else 0
+    off = np.abs(y - final)
+    marks = {int(a) for a in (y.argmax(), y.argmin(), u.argmax(), u.argmin())}
+    up = y if final > 0 else -y
+    marks |= {int((up >= level * size).argmax()) for level in (0.1, 0.9)}
+    outside = (off > 0.02 * size).nonzero()[0]
+    after = int(outside[-1]) if len(outside) else 0
     marks.add(after)
-    near = np.flatnonzero((off > 0.019 * size) & (off <= 0.02 * size))
-    marks |= {int(i) for i in near[near >= after][:200]}
-    wanted = {j for i in marks for j in (i - 1, i) if j >= 0}
-    return sorted(wanted & set(coarse.tolist()))
+    near = (off[after:] > 0.0195 * size).nonzero()[0][1:200]  # a crest may stand out of the band
+    marks |= {after + int(i) for i in near}
+    wanted = {j for i in marks for j in (i - 1, i) if 0 <= j < len(k) - 1}
+    return sorted(j for j in wanted if k[j + 1] - k[j] > 1)
 
 
-def _filled(motion: Motion, k: Indices, states: Array, rows: list[int]) -> tuple[Indices, Array]:
-    """Return (k, states) with up to 64 samples more after each of these rows.
+def _filled(motion: Motion, track: Track, rows: list[int]) -> Track:
+    """Return the track with 15 to 31 samples more, or all, after each of these rows.
 
     What is left in a wide stretch is slow, so a few points show where in it to look next.
     """
+    k, states = track.k, track.states
     ks, zs, at = [], [], 0
     for i in rows:
         ks.append(k[at : i + 1])
-        zs.append(states[at : i + 1])
+        zs.append(states[:, at : i + 1])
         gap = int(k[i + 1] - k[i])
-        stride = max(1, gap // 64)
-        count = -(-gap // stride)  # rounded up, so that the row itself and these fill the gap
-        ks.append(k[i] + stride * np.arange(1, count))
-        zs.append(motion.run(states[i], count, stride)[1:])
+        doublings = max(0, gap.bit_length() - 5)
+        count = -(-gap >> doublings)  # rounded up, so that the row itself and these fill the gap
+        ks.append(k[i] + (np.arange(1, count) << doublings))
+        zs.append(motion.run(states[:, i], count, doublings)[:, 1:])
         at = i + 1
     ks.append(k[at:])
-    zs.append(states[at:])
-    return np.concatenate(ks), np.concatenate(zs)
+    zs.append(states[:, at:])
+    return Track(k=np.concatenate(ks), states=np.concatenate(zs, axis=1), rests=track.rests)
