@@ -6,7 +6,6 @@ input is after its dead time.
 Source: K. J. Astrom and B. Wittenmark, Computer-Controlled Systems, 3rd ed., ch. 2 and 3.
 """
 
-from collections.abc import Sequence
 from decimal import Decimal
 from typing import Literal
 
@@ -34,7 +33,7 @@ def closed_loop(
 
     step         the reference is 1 from k = 0 on
     impulse      the reference is 1 at k = 0 alone
-    ramp         the reference is the time; the output is the error, reference minus y
+    ramp         the reference is k dt
     disturbance  1 is added to the plant's input from t = 0 on
 
     Raises SpecError where the loop has no solution (an algebraic loop of gain -1), or carries
@@ -78,7 +77,6 @@ def closed_loop(
     start[one] = 1.0
     if by == "ramp":
         delta[own, one] = dt
-        y, stretches = _error(y, stretches, own, dt)
     elif by == "impulse":
         delta[own, own], start[own] = -1.0, 1.0
     return Motion(
@@ -192,19 +190,3 @@ def _stretches(held: Held, x: Array, u: Array, begin: float, length: float) -> l
             rows *= (span ** np.arange(len(rows)))[:, None]
         out.append(Stretch(begin=begin + t, span=span, rows=rows))
     return out
-
-
-def _error(
-    y: Array, stretches: Sequence[Stretch], signal: int, dt: float
-) -> tuple[Array, list[Stretch]]:
-    """Return output and stretches of a ramp's error, time minus y, also between the samples."""
-    unit = np.eye(len(y))
-    r, one = unit[signal], unit[signal + 1]
-    out = []
-    for part in stretches:
-        rows = -part.rows
-        rows[0] += r + part.begin * dt * one
-        if len(rows) > 1:
-            rows[1] += part.span * dt * one
-        out.append(Stretch(begin=part.begin, span=part.span, rows=rows))
-    return r - y, out

@@ -11,7 +11,7 @@ carried in Z is a queue beside it (see ``queue``).
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import ceil, inf, log
+from math import atan2, ceil, hypot, inf, log, log1p
 
 import numpy as np
 import numpy.typing as npt
@@ -22,6 +22,7 @@ Indices = npt.NDArray[np.int64]
 
 QUIET = 1e-8  # the slowest mode has fallen to this at the horizon
 _SLOWEST = 1e-14
+_AT_ONCE = 1e6  # the decay of a mode at z = 0
 _GONE = 30.0  # exp(-30) of what it was is nothing
 _TURN = 0.1  # rad that a mode turns at most from one sample shown to the next
 _MOST = 400_000  # samples shown; a loop that needs more has thousands of swings
@@ -100,10 +101,8 @@ class Motion:
 
     def rates(self) -> list[tuple[float, float]]:
         """Return (-log |z|, |log z|) per sample of each own mode z, the fastest last."""
-        moved = np.linalg.eigvals(self.delta[: self.own, : self.own]).astype(complex)
-        # a mode at z = 0 is gone at once, not at minus infinity
-        logs = np.log1p(np.where(np.abs(1 + moved) > 1e-300, moved, 1e-300 - 1)).tolist()
-        return sorted(((-s.real, abs(s)) for s in logs), key=lambda rate: rate[1])
+        moved = np.linalg.eigvals(self.delta[: self.own, : self.own]).tolist()
+        return sorted((_rate(complex(z)) for z in moved), key=_turn)
 
     def track(self) -> Track:
         """Return the motion from its start until its slowest mode is gone.
@@ -124,6 +123,20 @@ class Motion:
             zs.append(states[:, :-1])
             k, z, shown = k + stride * count, states[:, -1], shown + count
         return Track(k=np.concatenate(ks), states=np.concatenate(zs, axis=1), rests=k > end)
+
+
+def _rate(moved: complex) -> tuple[float, float]:
+    """Return (decay, size of the logarithm) of the mode z = 1 + moved."""
+    x, y = moved.real, moved.imag
+    size = x * (2 + x) + y * y  # |z|^2 - 1
+    if size <= -1:
+        return _AT_ONCE, _AT_ONCE
+    decay = -log1p(size) / 2
+    return decay, hypot(decay, atan2(y, 1 + x))
+
+
+def _turn(rate: tuple[float, float]) -> float:
+    return rate[1]
 
 
 def _pace(rates: list[tuple[float, float]], k: int, end: int) -> tuple[int, int]:

@@ -16,6 +16,7 @@ import numpy as np
 
 from zoh.analysis.loop import Array
 
+_CONVERGED = 1e-11  # of the interval: Newton's next step would be its square
 _NARROW = 2.0**-40  # of the interval: two crossings as near as that are a touch
 
 
@@ -84,11 +85,11 @@ class Piece:
 
     def _root(self, level: float, low: float, high: float) -> float:
         """Return the one crossing between two times, by Newton's steps kept in the bracket."""
-        rises = self.at(high) >= level
-        t = (low + high) / 2
+        f_low, f_high = self.at(low) - level, self.at(high) - level
+        rises = f_high >= f_low
+        t = low - f_low * (high - low) / (f_high - f_low) if f_high != f_low else low
         for _ in range(80):
-            value, slope = -level if len(self.a) > 1 else 0.0, 0.0
-            value = 0.0
+            value, slope = 0.0, 0.0
             for c in reversed(self.a):
                 slope = slope * t + value
                 value = value * t + c
@@ -97,12 +98,13 @@ class Piece:
                 high = t
             else:
                 low = t
-            new = t - value / slope if slope else low
-            if not low < new < high:
-                new = (low + high) / 2
-            if abs(new - t) <= 1e-16 * (1 + abs(t)) or new in (low, high):
-                return new
-            t = new
+            step = value / slope if slope else high - low
+            if low <= t - step <= high:
+                t -= step
+                if abs(step) < _CONVERGED:
+                    break
+            else:
+                t = (low + high) / 2
         return t
 
 

@@ -7,7 +7,7 @@ K. J. Astrom, Introduction to Stochastic Control Theory, ch. 4 (variance by the 
 of the impulse response).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, sqrt
 
 import numpy as np
@@ -67,6 +67,8 @@ def response(
             excitation=by, peak=inf, peak_time=inf, final_value=inf, settling_time=None,
             peak_effort=inf, horizon=inf,
         )  # fmt: skip
+    if by == "ramp":
+        motion = _error(motion)
     limit = effort_at_rest if abs(effort_at_rest) < inf else None
     track = queue.track(motion, (final, limit)) if motion.wait else motion.track()
     up = Waveform.of(motion, track, final)
@@ -142,6 +144,19 @@ def _sum_of_squares(motion: Motion) -> Array:
         if np.abs(added).max() <= 1e-17 * np.abs(total).max() or doublings > 200:
             return total
         total, doublings = total + added, doublings + 1
+
+
+def _error(motion: Motion) -> Motion:
+    """Return the motion whose output is the error under a ramp, time minus y, at all times."""
+    unit = np.eye(len(motion.start))
+    r, one = unit[-2], unit[-1]
+    stretches = []
+    for part in motion.stretches:
+        rows = np.concatenate([-part.rows, np.zeros((max(0, 2 - len(part.rows)), len(r)))])
+        rows[0] += r + part.begin * motion.dt * one
+        rows[1] += part.span * motion.dt * one
+        stretches.append(replace(part, rows=rows))
+    return replace(motion, output=r - motion.output, stretches=stretches)
 
 
 def _check_stable(plant: Plant, controller: Sampled, compute_delay: float) -> None:
