@@ -43,8 +43,8 @@ def candidates(name, num, den, sensor, scale):
     """Yield loops of one plant with drawn gains; most are unstable or slow and fall through."""
     rng = random.Random(name)
     for share in SHARES:
-        # the smallest sample times are long to work out: one delay each will do
-        for dead, compute in DELAYS if share > 3e-3 else (rng.choice(DELAYS),):
+        # the smallest sample times are long to work out
+        for dead, compute in rng.sample(DELAYS, 2 if share > 3e-3 else 1):
             dt = share * scale
             for _ in range(TRIES):
                 yield {

@@ -163,30 +163,33 @@ def _between(
 
     The plant's input is ``before`` until 1 - lead, then ``after``.
     """
-    n = len(held.c)
-    x = np.zeros((n, len(before)))
-    x[:, :n] = np.eye(n)
     if not lead:
-        phi, gamma = held.move(1.0)
-        return _stretches(held, x, before, 0.0, 1.0), phi @ x + np.outer(gamma, before)
+        return _stretches(held, None, before, 0.0, 1.0), _mixed(held.move(1.0), None, before)
     with digits.precision(digits.KEPT):
         switch = 1 - lead
-    phi, gamma = held.move(switch)
-    moved = phi @ x + np.outer(gamma, before)
-    first = _stretches(held, x, before, 0.0, float(switch))
-    phi, gamma = held.move(lead)
-    second = _stretches(held, x + moved, after, float(switch), float(lead))
-    moved = moved + (phi @ (x + moved) + np.outer(gamma, after))
-    return (first + second if first and second else []), moved
+    n, moved = len(held.c), _mixed(held.move(switch), None, before)
+    x = moved.copy()
+    x[:, :n] += np.eye(n)
+    first = _stretches(held, None, before, 0.0, float(switch))
+    second = _stretches(held, x, after, float(switch), float(lead))
+    return (first + second if first and second else []), moved + _mixed(held.move(lead), x, after)
 
 
-def _stretches(held: Held, x: Array, u: Array, begin: float, length: float) -> list[Stretch]:
+def _stretches(
+    held: Held, x: Array | None, u: Array, begin: float, length: float
+) -> list[Stretch]:
     """Return the stretches over a constant input u, from the state x at its begin on."""
-    out = []
-    for t, span in held.stretches(length):
-        on_state, on_input = held.taylor(t, held.terms(span))
-        rows = on_state @ x + np.outer(on_input, u)
-        if span != 1.0:
-            rows *= (span ** np.arange(len(rows)))[:, None]
-        out.append(Stretch(begin=begin + t, span=span, rows=rows))
-    return out
+    return [
+        Stretch(begin=begin + t, span=span, rows=_mixed(held.taylor(t, span), x, u))
+        for t, span in held.stretches(length)
+    ]
+
+
+def _mixed(weights: tuple[Array, Array], x: Array | None, u: Array) -> Array:
+    """Return rows on Z from (rows on the state x, weights of the input u); None is x in Z."""
+    rows = weights[1][:, None] * u
+    if x is None:
+        rows[:, : weights[0].shape[1]] += weights[0]
+    else:
+        rows += weights[0] @ x
+    return rows

@@ -23,8 +23,8 @@ Indices = npt.NDArray[np.int64]
 QUIET = 1e-8  # the slowest mode has fallen to this at the horizon
 _SLOWEST = 1e-14
 _AT_ONCE = 1e6  # the decay of a mode at z = 0
-_GONE = 30.0  # exp(-30) of what it was is nothing
-_TURN = 0.1  # rad that a mode turns at most from one sample shown to the next
+_GONE = 25.0  # exp(-25) of what it was is nothing
+_TURN = 0.25  # rad that a mode turns at most from one sample shown to the next
 _MOST = 400_000  # samples shown; a loop that needs more has thousands of swings
 
 
@@ -94,8 +94,9 @@ class Motion:
         done = 1
         while done < count:
             more = min(done, count - done)
-            known = out[:, :more]
-            np.add(known, self.power(doublings) @ known, out=out[:, done : done + more])
+            known, new = out[:, :more], out[:, done : done + more]
+            np.matmul(self.power(doublings), known, out=new)
+            new += known
             done, doublings = done + more, doublings + 1
         return out
 

@@ -6,11 +6,9 @@ Source: R. H. Middleton and G. C. Goodwin, Digital Control and Estimation: A Uni
 (the delta operator).
 """
 
-from decimal import Decimal
+from collections.abc import Sequence
 from math import comb
 
-from zoh.lti import digits
-from zoh.lti.poly import Poly
 from zoh.lti.systems import Sampled
 
 
@@ -22,21 +20,29 @@ def realised(system: Sampled) -> tuple[list[float], list[float], float]:
     >>> realised(Sampled(num=[0.5], den=[1, -0.5], dt=1.0))
     ([0.5], [0.5], 0.0)
     """
-    with digits.precision(digits.KEPT):
-        num, den = (_in_delta(a, system.dt) for a in (system.num_w, system.den_w))
-        b, a = [x / den[0] for x in num], [x / den[0] for x in den]
-        c = [x - b[0] * y for x, y in zip(b[1:], a[1:], strict=True)]
-    return [float(x) for x in a[1:]], [float(x) for x in c], float(b[0])
+    parts = [c.as_integer_ratio() for c in (*system.num_w, *system.den_w)]
+    unit = max(bottom for _, bottom in parts)
+    whole = [top * (unit // bottom) for top, bottom in parts]  # what they have in common cancels
+    n = len(system.den_w)
+    half = (system.dt / 2).as_integer_ratio()
+    num, den = _in_delta(whole[:n], half), _in_delta(whole[n:], half)
+    first, lead = num[0], den[0]
+    # a quotient of whole numbers is rounded once
+    a = [x / lead for x in den[1:]]
+    c = [(x * lead - first * y) / (lead * lead) for x, y in zip(num[1:], den[1:], strict=True)]
+    return a, c, first / lead
 
 
-def _in_delta(a_w: Poly, dt: float) -> list[Decimal]:
-    """Return (dt/2)^n (2 + delta)^n a(w) in delta, descending, w = (2/dt) delta/(2 + delta)."""
-    n = len(a_w) - 1
-    out, half, power = [Decimal(0)] * (n + 1), Decimal(dt) / 2, Decimal(1)
-    for j, c in enumerate(a_w):  # c w^(n-j) becomes c (dt/2)^j delta^(n-j) (2 + delta)^j
+def _in_delta(a_w: Sequence[int], half: tuple[int, int]) -> list[int]:
+    """Return h^n (2 + delta)^n a(w) in delta, descending, w = delta/(h (2 + delta)), h = dt/2.
+
+    Times the denominator of h to the n, so that all is whole and nothing is rounded.
+    """
+    n, (p, q) = len(a_w) - 1, half
+    out = [0] * (n + 1)
+    for j, c in enumerate(a_w):  # c w^(n-j) becomes c h^j delta^(n-j) (2 + delta)^j
         if c:
-            scaled = Decimal(c) * power
+            scaled = c * p**j * q ** (n - j)
             for i in range(j + 1):
-                out[j - i] += scaled * (comb(j, i) * 2 ** (j - i))
-        power *= half
+                out[j - i] += scaled * (comb(j, i) << (j - i))
     return out

@@ -71,16 +71,16 @@ def response(
         motion = _error(motion)
     limit = effort_at_rest if abs(effort_at_rest) < inf else None
     track = queue.track(motion, (final, limit)) if motion.wait else motion.track()
-    up = Waveform.of(motion, track, final)
-    t, peak = max(up.highest_between(1.0), up.turned().highest_between(-1.0), key=_second)
-    settled = up.settles_between(final, BAND * max(peak, abs(final)), 1.0)
+    wave = Waveform.of(motion, track, final)
+    t, peak = max(wave.highest_between(1.0), wave.highest_between(-1.0), key=_second)
+    settled = wave.settles_between(final, BAND * max(peak, abs(final)))
     return Response(
         excitation=by,
         peak=max(peak, abs(final)),
         peak_time=t,
         final_value=final,
         settling_time=settled if track.rests else None,
-        peak_effort=inf if limit is None else max(abs(limit), float(np.abs(up.u).max())),
+        peak_effort=inf if limit is None else max(abs(limit), float(np.abs(wave.u).max())),
         horizon=float(track.k[-1]) * motion.dt,
     )
 

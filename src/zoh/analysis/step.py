@@ -88,77 +88,68 @@ def _gains_at_rest(plant: Plant, controller: Sampled) -> tuple[float, float]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Seen:
-    """A waveform turned so that it ends above 0, and what turns it back.
+    """A waveform that settles to ``final``.
 
-    final      what it settles to, 0 or more;  sign  of the true one
     reference  the size of the step;  late  s, when the response begins
+    rests      whether it has come to rest by the horizon
     """
 
     wave: Waveform
-    down: Waveform
     final: float
-    sign: float
     reference: float
     late: float
-    horizon: float
     rests: bool
 
     @classmethod
     def of(
         cls, motion: Motion, track: Track, final: float, reference: float, late: float = 0.0
     ) -> "_Seen":
-        wave, sign = Waveform.of(motion, track, final), -1.0 if final < 0 else 1.0
-        down = wave.turned()
-        if sign < 0:
-            wave, down = down, wave
-        return cls(
-            wave=wave, down=down, final=abs(final), sign=sign, reference=reference, late=late,
-            horizon=float(wave.k[-1]) * motion.dt + late, rests=track.rests,
-        )  # fmt: skip
+        wave = Waveform.of(motion, track, final)
+        return cls(wave=wave, final=final, reference=reference, late=late, rests=track.rests)
 
     def at_samples(self, **more: Any) -> StepInfo:
         """Return the metrics at the samples, ``more`` beside them."""
-        up, down = self.wave.highest(), self.down.highest()
-        times = [self.wave.reaches(level * self.final) for level in RISE]
-        settled = self.wave.settles(self.final, BAND * self.final)
-        return self._info(up, down, times, settled, more)
+        wave, size, sign = self.wave, abs(self.final), -1.0 if self.final < 0 else 1.0
+        ends = wave.highest(sign), wave.highest(-sign)
+        times = [wave.reaches(level * size, sign) for level in RISE]
+        return self._info(ends, times, wave.settles(self.final, BAND * size), more)
 
     def between(self) -> StepInfo:
         """Return the metrics at all times."""
-        wave, sign = self.wave, self.sign
-        up, down = wave.highest_between(sign), self.down.highest_between(-sign)
-        times = [wave.reaches_between(level * self.final, sign) for level in RISE]
-        settled = wave.settles_between(self.final, BAND * self.final, sign)
-        return self._info(up, down, times, settled, {})
+        wave, size, sign = self.wave, abs(self.final), -1.0 if self.final < 0 else 1.0
+        ends = wave.highest_between(sign), wave.highest_between(-sign)
+        times = [wave.reaches_between(level * size, sign) for level in RISE]
+        return self._info(ends, times, wave.settles_between(self.final, BAND * size), {})
 
     def _info(
         self,
-        up: tuple[float, float],
-        down: tuple[float, float],
+        ends: tuple[tuple[float, float], tuple[float, float]],
         times: list[float | None],
         settled: float | None,
         more: dict[str, Any],
     ) -> StepInfo:
-        size, scale = self.final, abs(self.reference)
-        final = self.sign * size * self.reference
+        (t, peak), (t_low, low) = ends
+        size, final = abs(self.final), self.final * self.reference
+        horizon = float(self.wave.k[-1]) * self.wave.motion.dt + self.late
         if size == 0:
-            t, peak = max(up, down, key=lambda spot: spot[1])
+            if low > peak:
+                t, peak = t_low, low
             return StepInfo(
-                peak=max(peak, 0.0) * scale, peak_time=t + self.late, final_value=0.0,
-                steady_state_error=self.reference, horizon=self.horizon, **more,
+                peak=max(peak, 0.0) * abs(self.reference), peak_time=t + self.late,
+                final_value=0.0, steady_state_error=self.reference, horizon=horizon, **more,
             )  # fmt: skip
-        over, under = up[1] / size - 1, down[1] / size
-        begins, ends = times
+        over, under = peak / size - 1, low / size
+        first, last = times
         return StepInfo(
             overshoot_pct=100 * over if over > _NOTHING else 0.0,
             undershoot_pct=100 * under if under > _NOTHING else 0.0,
-            rise_time=None if begins is None or ends is None else ends - begins,
+            rise_time=None if first is None or last is None else last - first,
             settling_time=None if settled is None or not self.rests else settled + self.late,
-            peak=max(up[1], size) * scale,
-            peak_time=up[0] + self.late if over > _NOTHING else None,
+            peak=max(peak, size) * abs(self.reference),
+            peak_time=t + self.late if over > _NOTHING else None,
             final_value=final,
             steady_state_error=self.reference - final,
-            horizon=self.horizon,
+            horizon=horizon,
             **more,
         )
 

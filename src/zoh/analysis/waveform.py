@@ -6,7 +6,7 @@ whose Bernstein coefficients bound it, so that only samples that can hold an ext
 are looked into, and none that can is left out.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,6 +15,8 @@ from zoh.analysis.motion import Indices, Motion, Track
 from zoh.analysis.pieces import Piece, bernstein
 
 _ROUNDING = 1e-14  # of the largest output: what exceeds by less does not exceed
+_LOSS = 0.01  # of what moves, lost between samples a quarter of a radian apart
+_LOOKED = 40  # the first crests, and the highest, that are looked at among many
 _CELLS = 4_000_000  # numbers bounded at once
 
 
@@ -43,7 +45,7 @@ class Waveform:
         effort = np.zeros_like(motion.output) if motion.effort is None else motion.effort
         both = np.stack([motion.output, effort])
         seen = both @ track.states
-        while wanted := _stretches(track.k, seen[0], seen[1], final):
+        while wanted := _wanted(track.k, seen[0], seen[1], final):
             track = _filled(motion, track, wanted)
             seen = both @ track.states
         low, high = bounds(motion, track.states, seen[0])
@@ -53,24 +55,21 @@ class Waveform:
             low=low, high=high, rounding=_ROUNDING * scale,
         )  # fmt: skip
 
-    def turned(self) -> "Waveform":
-        """Return -y."""
-        return replace(self, y=-self.y, low=-self.high, high=-self.low)
-
-    def highest(self) -> tuple[float, float]:
-        """Return (time in s, y) where y is largest at the samples."""
-        i = int(self.y.argmax())
-        return float(self.k[i]) * self.motion.dt, float(self.y[i])
+    def highest(self, sign: float) -> tuple[float, float]:
+        """Return (time in s, sign * y) where that is largest at the samples."""
+        i = int(self.y.argmax() if sign > 0 else self.y.argmin())
+        return float(self.k[i]) * self.motion.dt, sign * float(self.y[i])
 
     def highest_between(self, sign: float) -> tuple[float, float]:
-        """Return (time in s, y) where y, which is ``sign`` times the output, is largest at all."""
-        i = int(self.y.argmax())
-        best = float(self.k[i]), float(self.y[i])
-        rows = (self.high > best[1] + self.rounding).nonzero()[0]
+        """Return (time in s, sign * y) where that is largest at all times."""
+        bound = self._bound(sign)
+        i = int(self.y.argmax() if sign > 0 else self.y.argmin())
+        best = float(self.k[i]), sign * float(self.y[i])
+        rows = (bound > best[1] + self.rounding).nonzero()[0]
         if len(rows) > 1:
-            rows = rows[(-self.high[rows]).argsort(kind="stable")]
+            rows = rows[(-bound[rows]).argsort(kind="stable")]
         for i in rows.tolist():
-            if self.high[i] <= best[1] + self.rounding:
+            if bound[i] <= best[1] + self.rounding:
                 break
             for begin, span, piece in self._pieces(i, sign):
                 t, value = piece.highest()
@@ -78,21 +77,25 @@ class Waveform:
                     best = float(self.k[i]) + begin + span * t, value
         return best[0] * self.motion.dt, best[1]
 
-    def reaches(self, level: float) -> float | None:
-        """Return the first sample's time in s at which y is ``level`` or more; None if never."""
-        reached = self.y >= level
+    def reaches(self, level: float, sign: float) -> float | None:
+        """Return the first sample's time in s at which sign * y >= level; None if never."""
+        reached = self.y >= level if sign > 0 else self.y <= -level
         i = int(reached.argmax())
         return float(self.k[i]) * self.motion.dt if reached[i] else None
 
     def reaches_between(self, level: float, sign: float) -> float | None:
-        """Return the first instant in s at which y is ``level`` or more; None if never."""
-        for i in (self.high >= level).nonzero()[0].tolist():
-            if self.y[i] >= level:
+        """Return the first instant in s at which sign * y >= level; None if never."""
+        can = self._bound(sign) >= level
+        i = int(can.argmax())
+        while can[i]:
+            if sign * self.y[i] >= level:
                 return float(self.k[i]) * self.motion.dt
             for begin, span, piece in self._pieces(i, sign):
                 t = 0.0 if piece.a[0] >= level else next(piece.crossings(level), None)
                 if t is not None:
                     return (float(self.k[i]) + begin + span * t) * self.motion.dt
+            can[i] = False
+            i = int(can.argmax())
         return None
 
     def settles(self, final: float, band: float) -> float | None:
@@ -101,17 +104,21 @@ class Waveform:
         first_in = int(outside[-1]) + 1 if len(outside) else 0
         return float(self.k[first_in]) * self.motion.dt if first_in < len(self.k) else None
 
-    def settles_between(self, final: float, band: float, sign: float) -> float | None:
+    def settles_between(self, final: float, band: float) -> float | None:
         """Return the instant in s from which on |y - final| <= band; None if not by the horizon."""
         outside = ((self.high > final + band) | (self.low < final - band)).nonzero()[0]
         for i in outside[::-1].tolist():
-            for begin, span, piece in reversed(self._pieces(i, sign)):
+            for begin, span, piece in reversed(self._pieces(i, 1.0)):
                 left = _last_outside(piece, final, band)
                 if left is not None:
                     if left == 1.0 and i + 1 == len(self.k):
                         return None
                     return (float(self.k[i]) + begin + span * left) * self.motion.dt
         return 0.0
+
+    def _bound(self, sign: float) -> Array:
+        """Return the upper bound of sign * y from each sample to the next."""
+        return self.high if sign > 0 else -self.low
 
     def _pieces(self, i: int, sign: float) -> list[tuple[float, float, Piece]]:
         """Return (begin, span, polynomial) of the stretches of row i's sample, times ``sign``."""
@@ -146,22 +153,44 @@ def bounds(motion: Motion, states: Array, y: Array) -> tuple[Array, Array]:
     return np.minimum(low, y), np.maximum(high, y)
 
 
-def _stretches(k: Indices, y: Array, u: Array, final: float) -> list[int]:
+def _wanted(k: Indices, y: Array, u: Array, final: float) -> list[int]:
     """Return the rows before which samples were left out that a metric may need."""
     if k[-1] - k[0] < len(k):
         return []
-    size = abs(final)
+    coarse = np.diff(k) > 1
+    begin = int(coarse.argmax())
+    marks: set[int] = set()
+    for a in (y, -y, u, -u):
+        marks.update(_tops(a, begin))
+    size, up = abs(final), y if final >= 0 else -y
+    marks.update(int((up >= level * size).argmax()) for level in (0.1, 0.9))
     off = np.abs(y - final)
-    marks = {int(a) for a in (y.argmax(), y.argmin(), u.argmax(), u.argmin())}
-    up = y if final > 0 else -y
-    marks |= {int((up >= level * size).argmax()) for level in (0.1, 0.9)}
     outside = (off > 0.02 * size).nonzero()[0]
     after = int(outside[-1]) if len(outside) else 0
     marks.add(after)
-    near = (off[after:] > 0.0195 * size).nonzero()[0][1:200]  # a crest may stand out of the band
-    marks |= {after + int(i) for i in near}
-    wanted = {j for i in marks for j in (i - 1, i) if 0 <= j < len(k) - 1}
-    return sorted(j for j in wanted if k[j + 1] - k[j] > 1)
+    if after >= begin or off[begin:].max() > _LOSS * 0.02 * size:
+        near = (off[after:] > (1 - _LOSS) * 0.02 * size).nonzero()[0]
+        marks.update((after + near[:_LOOKED]).tolist())
+    wanted = {j for i in marks for j in (i - 1, i) if begin <= j < len(coarse)}
+    return sorted(j for j in wanted if coarse[j])
+
+
+def _tops(a: Array, begin: int) -> list[int]:
+    """Return the rows from ``begin`` on where a crest may be the highest of all.
+
+    Between samples a quarter of a radian apart a crest rises by less than a hundredth.
+    """
+    late = a[begin:]
+    top = float(late.max())
+    spread = top - float(late.min())
+    if top + _LOSS * spread <= float(a[: begin + 1].max()):
+        return []
+    high = (late >= top - _LOSS * spread).nonzero()[0]
+    inner = high[(high > 0) & (high < len(late) - 1)]
+    inner = inner[(late[inner] >= late[inner - 1]) & (late[inner] >= late[inner + 1])]
+    best = inner[(-late[inner]).argsort(kind="stable")]
+    found = {int(late.argmax()), *inner[:_LOOKED].tolist(), *best[:_LOOKED].tolist()}
+    return [begin + i for i in found]
 
 
 def _filled(motion: Motion, track: Track, rows: list[int]) -> Track:

@@ -15,7 +15,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from math import factorial, log10
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -29,7 +28,7 @@ Array = npt.NDArray[np.float64]
 GENTLE = 0.5  # rad that the fastest mode turns at most where floats serve
 SPAN = 1.0  # rad that a live mode turns at most in a stretch with one Taylor series
 MOST_STRETCHES = 2000  # in a sample; a resonance that swings more often is not followed
-_TERM = 1e-18  # of the first: a term that is not added any more
+_TERM = 1e-17  # of the first: a term that is not added any more
 _DEAD = 40.0  # a mode at exp(-40) is gone
 
 
@@ -54,55 +53,65 @@ class Held:
         """Return the plant with time counted in units of dt seconds."""
         low, c, d = _scaled(plant, dt)
         n = len(low)
-        return cls(
-            plant=plant, dt=dt, low=tuple(map(float, low)), c=tuple(map(float, c)), d=float(d),
-            # Fujiwara's bound of the roots
-            size=2 * max((abs(float(a)) ** (1 / (n - i)) for i, a in enumerate(low)), default=0.0),
-        )  # fmt: skip
+        sizes = sorted(abs(a) ** (1 / (n - i)) for i, a in enumerate(low))
+        # Lagrange's bound of the roots: the two largest together
+        return cls(plant=plant, dt=dt, low=low, c=c, d=d, size=sum(sizes[-2:]))
 
     def move(self, t: float | Decimal) -> tuple[Array, Array]:
         """Return (Phi(t) - I, Gamma(t)) for a fraction t of a sample, shapes (n, n) and (n,)."""
         n = len(self.low)
-        rows: list[list[Any]] = []
-        if self.size * float(t) <= GENTLE:
-            element = self._less_one(float(t))
-            for _ in range(n):
-                rows.append(element)
-                element = _times_sigma(element, self.low)
-        else:
+        if self.size * float(t) > GENTLE:
             response, precision = self._exact()
             with digits.precision(precision):
                 exact = response.exponential(Decimal(t))
                 exact[0] -= 1
-                for _ in range(n):
-                    rows.append(exact)
-                    exact = response.times_sigma(exact)
-                return _split(rows, response.modulus[1:])
-        return _split(rows, self.low)
+                return _split(_derivatives(response, exact, n), response.modulus[1:])
+        if not n:
+            return np.zeros((0, 0)), np.zeros(0)
+        first = [1.0] + [0.0] * (n - 1)
+        on_state, on_input = self._series(first, float(t), self.terms(float(t)))
+        row, weight = [sum(column[:0:-1]) for column in zip(*on_state, strict=True)], sum(on_input)
+        rows, weights = [row], [weight]
+        for i in range(1, n):  # a derivative; that of x_{i-1} at 0 is x_i, which has no input yet
+            weights.append(row[-1])
+            row = _derived(row, self.low)
+            rows.append(row)
+        return np.array(rows), np.array(weights)
 
-    def taylor(self, t: float, terms: int) -> tuple[Array, Array]:
-        """Return y's Taylor coefficients at t as rows on state and input at 0, (terms, n) and (terms,)."""
-        rows: list[list[Any]] = []
+    def taylor(self, t: float, span: float) -> tuple[Array, Array]:
+        """Return y's series from t on, as rows on state and input at 0, (terms, n) and (terms,).
+
+        In powers of the time after t in units of ``span``.
+        """
+        terms = self.terms(span)
         if not t:
-            q: list[Any] = [*self.c, 0.0]
-            for j in range(1, terms + 1):
-                rows.append(q)
-                q = [a / j for a in _times_sigma(q, self.low)]
-            on_state, on_input = _split(rows, self.low)
-        else:
-            response, precision = self._exact()
-            with digits.precision(precision + int(terms * max(0.0, log10(self.size)))):
-                exact = response.exponential(Decimal(t))
-                q = [Decimal(0)] * len(exact)
-                for weight in reversed(_scaled(self.plant, self.dt)[1]):
-                    shifted = response.times_sigma(q)
-                    q = [a + weight * b for a, b in zip(shifted, exact, strict=True)]
-                for j in range(1, terms + 1):
-                    rows.append(q)
-                    q = [a / j for a in response.times_sigma(q)]
-                on_state, on_input = _split(rows, response.modulus[1:])
-        on_input[0] += self.d
-        return on_state, on_input
+            on_state, on_input = self._series(list(self.c), span, terms)
+            on_input[0] += self.d
+            return np.array(on_state).reshape(terms, len(self.c)), np.array(on_input)
+        response, precision = self._exact()
+        with digits.precision(precision + int(terms * max(0.0, log10(self.size)))):
+            exact = response.exponential(Decimal(t))
+            q = [Decimal(0)] * len(exact)
+            for weight in reversed(_exactly(self.plant, self.dt)[1]):
+                shifted = response.times_sigma(q)
+                q = [a + weight * b for a, b in zip(shifted, exact, strict=True)]
+            rows, inputs = _split(_derivatives(response, q, terms), response.modulus[1:])
+        scale = np.array([span**j / factorial(j) for j in range(terms)])
+        inputs *= scale
+        inputs[0] += self.d
+        return rows * scale[:, None], inputs
+
+    def _series(
+        self, row: list[float], t: float, terms: int
+    ) -> tuple[list[list[float]], list[float]]:
+        """Return t^j/j! times the j-th derivatives of ``row`` x, as rows and weights of the input."""
+        rows, weights = [row], [0.0]
+        for j in range(1, terms):
+            step = t / j
+            weights.append(row[-1] * step)
+            row = [a * step for a in _derived(row, self.low)]
+            rows.append(row)
+        return rows, weights
 
     def stretches(self, length: float) -> list[tuple[float, float]]:
         """Return (begin, span) of stretches of [0, length] short enough for one Taylor series.
@@ -127,23 +136,11 @@ class Held:
 
     def terms(self, span: float) -> int:
         """Return how many Taylor terms carry a stretch to the last bit."""
-        turn, j = min(self.size * span, SPAN), 1
-        while turn**j > _TERM * factorial(j):
+        turn, j, term = min(self.size * span, SPAN), 0, 1.0
+        while term > _TERM:
             j += 1
+            term *= turn / j
         return len(self.low) + j
-
-    def _less_one(self, t: float) -> list[float]:
-        """Return exp(sigma t) - 1 in floats."""
-        n = len(self.low)
-        term = [1.0] + [0.0] * n
-        total, j, weight = [0.0] * (n + 1), 0, 1.0
-        while j <= n or weight > _TERM:
-            j += 1
-            term = [a * t / j for a in _times_sigma(term, self.low)]
-            total = [a + b for a, b in zip(total, term, strict=True)]
-            if j > n:
-                weight *= self.size * t / (j - n)
-        return total
 
     def _exact(self) -> tuple[StepResponse, int]:
         num, den = self.plant.exact
@@ -153,7 +150,22 @@ class Held:
             return StepResponse.of(num, den, gain, Decimal(self.dt)), needed
 
 
-def _scaled(plant: Plant, dt: float) -> tuple[list[Decimal], list[Decimal], Decimal]:
+def _scaled(plant: Plant, dt: float) -> tuple[tuple[float, ...], tuple[float, ...], float]:
+    """Return (low, c, d) in units of dt; exactly, where anything is subtracted."""
+    if len(plant.num) == len(plant.den):
+        low, c, d = _exactly(plant, dt)
+        return tuple(map(float, low)), tuple(map(float, c)), float(d)
+    lead, n, power = plant.den[0], len(plant.den) - 1, 1.0
+    gain, shorter = plant.sensor / lead, len(plant.den) - len(plant.num)
+    monic, top = [], []
+    for i in range(1, n + 1):
+        power *= dt
+        monic.append(plant.den[i] / lead * power)
+        top.append(gain * plant.num[i - shorter] * power if i >= shorter else 0.0)
+    return tuple(monic[::-1]), tuple(top[::-1]), 0.0
+
+
+def _exactly(plant: Plant, dt: float) -> tuple[list[Decimal], list[Decimal], Decimal]:
     """Return (low, c, d) in units of dt, exactly."""
     num, den = plant.exact
     n = len(den) - 1
@@ -168,13 +180,24 @@ def _scaled(plant: Plant, dt: float) -> tuple[list[Decimal], list[Decimal], Deci
     return low[::-1], c[::-1], d
 
 
-def _times_sigma(a: Sequence[float], low: Sequence[float]) -> list[float]:
-    """Return sigma a mod sigma den(sigma)."""
-    top = a[-1]
-    return [0.0, *[b - top * c for b, c in zip(a[:-1], low, strict=True)]]
+def _derived(row: Sequence[float], low: Sequence[float]) -> list[float]:
+    """Return the row on x that is the derivative of ``row`` x, but for the input."""
+    top = row[-1]
+    return [b - top * c for b, c in zip((0.0, *row), low, strict=False)]
 
 
-def _split(rows: Sequence[Sequence[Any]], low: Sequence[Any]) -> tuple[Array, Array]:
+def _derivatives(
+    response: StepResponse, element: list[Decimal], count: int
+) -> list[list[Decimal]]:
+    """Return the element and its derivatives, times sigma each."""
+    out = []
+    for _ in range(count):
+        out.append(element)
+        element = response.times_sigma(element)
+    return out
+
+
+def _split(rows: Sequence[Sequence[Decimal]], low: Sequence[Decimal]) -> tuple[Array, Array]:
     """Return polynomials mod sigma den as (rows on the state, weights of the input)."""
     n = len(low)
     on_state = [[float(a - row[n] * b) for a, b in zip(row, low, strict=False)] for row in rows]
