@@ -6,6 +6,7 @@ input is after its dead time.
 Source: K. J. Astrom and B. Wittenmark, Computer-Controlled Systems, 3rd ed., ch. 2 and 3.
 """
 
+from collections.abc import Sequence
 from decimal import Decimal
 from typing import Literal
 
@@ -68,9 +69,8 @@ def closed_loop(
         delta[n:first, n:first] = np.eye(kept, k=-1) - np.eye(kept)
         delta[n] += u
     if a:
-        delta[first:own, first:own] = np.eye(len(a), k=-1)
+        _chain(delta, first, a)
         delta[first] -= y
-        delta[first, first:own] -= a
         if by != "disturbance":
             delta[first, r] += 1.0
     start = np.zeros(size)
@@ -83,6 +83,14 @@ def closed_loop(
         dt=dt, delta=delta, start=start, own=own, output=y, effort=u, stretches=stretches,
         wait=m - 1 if m > CARRIED else 0, fed=n,
     )  # fmt: skip
+
+
+def _chain(delta: Array, first: int, a: Sequence[float]) -> None:
+    """Write a chain of sums with feedback a into delta, in place, its input left out."""
+    delta[first, first : first + len(a)] = a
+    delta[first] *= -1.0
+    for i in range(first + 1, first + len(a)):
+        delta[i, i - 1] = 1.0
 
 
 def _through(u: Array, y: Array, direct: float, d: float) -> Array:
@@ -133,8 +141,7 @@ def autonomous(system: Sampled) -> Motion:
     delta, output, start = np.zeros((n + 1, n + 1)), np.zeros(n + 1), np.zeros(n + 1)
     start[n] = 1.0
     if n:
-        delta[:n, :n] = np.eye(n, k=-1)
-        delta[0, :n] -= a
+        _chain(delta, 0, a)
         delta[0, n] = 1.0
     output[:n], output[n] = c, d
     return Motion(

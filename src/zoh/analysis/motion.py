@@ -84,7 +84,7 @@ class Motion:
             powers.append(self.delta)
         while len(powers) <= i:
             s = powers[-1]
-            powers.append(2 * s + s @ s)
+            powers.append(s + s + s.dot(s))
         return powers[i]
 
     def run(self, first: Array, count: int, doublings: int = 0) -> Array:
@@ -94,9 +94,8 @@ class Motion:
         done = 1
         while done < count:
             more = min(done, count - done)
-            known, new = out[:, :more], out[:, done : done + more]
-            np.matmul(self.power(doublings), known, out=new)
-            new += known
+            known = out[:, :more]
+            np.add(known, self.power(doublings).dot(known), out=out[:, done : done + more])
             done, doublings = done + more, doublings + 1
         return out
 

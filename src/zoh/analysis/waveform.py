@@ -11,12 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from zoh.analysis.loop import Array
+from zoh.analysis.filling import filled, wanted
 from zoh.analysis.motion import Indices, Motion, Track
 from zoh.analysis.pieces import Piece, bernstein
 
 _ROUNDING = 1e-14  # of the largest output: what exceeds by less does not exceed
-_LOSS = 0.01  # of what moves, lost between samples a quarter of a radian apart
-_LOOKED = 40  # the first crests, and the highest, that are looked at among many
 _CELLS = 4_000_000  # numbers bounded at once
 
 
@@ -43,11 +42,11 @@ class Waveform:
     def of(cls, motion: Motion, track: Track, final: float) -> "Waveform":
         """Return the output along a track, filled in where its metrics need it."""
         effort = np.zeros_like(motion.output) if motion.effort is None else motion.effort
-        both = np.stack([motion.output, effort])
-        seen = both @ track.states
-        while wanted := _wanted(track.k, seen[0], seen[1], final):
-            track = _filled(motion, track, wanted)
-            seen = both @ track.states
+        both = np.array([motion.output, effort])
+        seen = both.dot(track.states)
+        while rows := wanted(track.k, seen[0], seen[1], final):
+            track = filled(motion, track, rows)
+            seen = both.dot(track.states)
         low, high = bounds(motion, track.states, seen[0])
         scale = max(float(high.max()), -float(low.min()))
         return cls(
@@ -124,7 +123,7 @@ class Waveform:
         """Return (begin, span, polynomial) of the stretches of row i's sample, times ``sign``."""
         out = []
         for part in self.motion.stretches:
-            a = (part.rows @ self.states[:, i]).tolist()
+            a = part.rows.dot(self.states[:, i]).tolist()
             out.append((part.begin, part.span, Piece.of(a).turned(sign)))
         return out
 
@@ -140,75 +139,14 @@ def _last_outside(piece: Piece, final: float, band: float) -> float | None:
 
 def bounds(motion: Motion, states: Array, y: Array) -> tuple[Array, Array]:
     """Return (low, high), bounds of the output between each sample and the next."""
-    rows = [bernstein(len(part.rows)) @ part.rows for part in motion.stretches]
+    rows = [bernstein(len(part.rows)).dot(part.rows) for part in motion.stretches]
     if not rows:
         return y, y
     every = rows[0] if len(rows) == 1 else np.concatenate(rows)
     low, high = np.empty_like(y), np.empty_like(y)
     wide = max(1, _CELLS // len(every))
     for begin in range(0, len(y), wide):
-        values = every @ states[:, begin : begin + wide]
+        values = every.dot(states[:, begin : begin + wide])
         values.min(axis=0, out=low[begin : begin + wide])
         values.max(axis=0, out=high[begin : begin + wide])
     return np.minimum(low, y), np.maximum(high, y)
-
-
-def _wanted(k: Indices, y: Array, u: Array, final: float) -> list[int]:
-    """Return the rows before which samples were left out that a metric may need."""
-    if k[-1] - k[0] < len(k):
-        return []
-    coarse = np.diff(k) > 1
-    begin = int(coarse.argmax())
-    marks: set[int] = set()
-    for a in (y, -y, u, -u):
-        marks.update(_tops(a, begin))
-    size, up = abs(final), y if final >= 0 else -y
-    marks.update(int((up >= level * size).argmax()) for level in (0.1, 0.9))
-    off = np.abs(y - final)
-    outside = (off > 0.02 * size).nonzero()[0]
-    after = int(outside[-1]) if len(outside) else 0
-    marks.add(after)
-    if after >= begin or off[begin:].max() > _LOSS * 0.02 * size:
-        near = (off[after:] > (1 - _LOSS) * 0.02 * size).nonzero()[0]
-        marks.update((after + near[:_LOOKED]).tolist())
-    wanted = {j for i in marks for j in (i - 1, i) if begin <= j < len(coarse)}
-    return sorted(j for j in wanted if coarse[j])
-
-
-def _tops(a: Array, begin: int) -> list[int]:
-    """Return the rows from ``begin`` on where a crest may be the highest of all.
-
-    Between samples a quarter of a radian apart a crest rises by less than a hundredth.
-    """
-    late = a[begin:]
-    top = float(late.max())
-    spread = top - float(late.min())
-    if top + _LOSS * spread <= float(a[: begin + 1].max()):
-        return []
-    high = (late >= top - _LOSS * spread).nonzero()[0]
-    inner = high[(high > 0) & (high < len(late) - 1)]
-    inner = inner[(late[inner] >= late[inner - 1]) & (late[inner] >= late[inner + 1])]
-    best = inner[(-late[inner]).argsort(kind="stable")]
-    found = {int(late.argmax()), *inner[:_LOOKED].tolist(), *best[:_LOOKED].tolist()}
-    return [begin + i for i in found]
-
-
-def _filled(motion: Motion, track: Track, rows: list[int]) -> Track:
-    """Return the track with 15 to 31 samples more, or all, after each of these rows.
-
-    What is left in a wide stretch is slow, so a few points show where in it to look next.
-    """
-    k, states = track.k, track.states
-    ks, zs, at = [], [], 0
-    for i in rows:
-        ks.append(k[at : i + 1])
-        zs.append(states[:, at : i + 1])
-        gap = int(k[i + 1] - k[i])
-        doublings = max(0, gap.bit_length() - 5)
-        count = -(-gap >> doublings)  # rounded up, so that the row itself and these fill the gap
-        ks.append(k[i] + (np.arange(1, count) << doublings))
-        zs.append(motion.run(states[:, i], count, doublings)[:, 1:])
-        at = i + 1
-    ks.append(k[at:])
-    zs.append(states[:, at:])
-    return Track(k=np.concatenate(ks), states=np.concatenate(zs, axis=1), rests=track.rests)
