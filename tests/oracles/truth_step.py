@@ -11,6 +11,7 @@ from multiprocessing import Pool
 
 import numpy as np
 from mpmath import mp, mpf
+from scipy.linalg import expm
 from step_loops import PLANTS, candidates
 from truth_hold import companion, hold_matrices, whole_and_rest
 
@@ -35,7 +36,7 @@ class Loop:
         self.m, self.steps = m, [hold_matrices(self.a, self.b, t) for t, _ in self.pieces]
         self.fastest = float(np.abs(np.roots(spec["den"])).max())
         self.points = [self.grid(t) for t, _ in self.pieces]
-        self.maps = {t: hold_matrices(self.a, self.b, t) for ts in self.points for t in ts}
+        self.maps, self.flows = {}, {}
 
     def grid(self, duration):
         """Return where to look in a piece: evenly, and closely after its start."""
@@ -114,7 +115,7 @@ class Loop:
         return self.known[k]
 
     def radius(self):
-        a = np.array(self.powers[0].tolist(), float)[: self.own, : self.own]
+        a = floats(self.powers[0])[: self.own, : self.own]
         return float(np.abs(np.linalg.eigvals(a)).max())
 
     def at(self, k, p, t, *, slope=False):
@@ -129,8 +130,10 @@ class Loop:
 
     def flow(self, x, v, t):
         """Return what the plant's state becomes after t seconds of the input v."""
-        if t in self.maps or self.fastest * t > 5:
-            phi, gamma = self.maps.get(t) or hold_matrices(self.a, self.b, t)
+        if self.fastest * t > 5:
+            if t not in self.maps:
+                self.maps[t] = hold_matrices(self.a, self.b, t)
+            phi, gamma = self.maps[t]
             return phi * x + gamma * v
         total, term, low, j = list(x), list(x), [-self.a[self.n - 1, i] for i in range(self.n)], 0
         while j < self.n + 2 or max(map(abs, term)) > mpf(10) ** -WORKING * max(map(abs, total)):
@@ -147,16 +150,25 @@ class Loop:
 
     def rows(self, p, t):
         """Return output and slope at t in piece p, as float rows on Z."""
-        phi, gamma = self.maps[t]
-        c = mp.matrix([self.c])
+        n, a, b = self.n, floats(self.a), floats(self.b)
+        if t not in self.flows:
+            both = np.block([[a, b], [np.zeros((1, n + 1))]])
+            self.flows[t] = expm(both * float(t))
+        flow = self.flows[t]
+        c = np.array(self.c, float)
+        start, held = floats(self.starts[p]), floats(self.inputs[p])
         out = [
-            c * (phi * self.starts[p] + gamma * self.inputs[p]),
-            c * phi * (self.a * self.starts[p] + self.b * self.inputs[p]),
+            c @ (flow[:n, :n] @ start + flow[:n, n:] @ held),
+            c @ flow[:n, :n] @ (a @ start + b @ held),
         ]
         if self.by == "ramp":
-            one, r = mp.eye(self.size)[self.size - 1, :], mp.eye(self.size)[self.size - 2, :]
-            out = [r + (self.time(0, p, t)) * one - out[0], one - out[1]]
-        return [np.array(o.tolist()[0], float) for o in out]
+            r, one = np.eye(self.size)[-2:]
+            out = [r + float(self.time(0, p, t)) * one - out[0], one - out[1]]
+        return out
+
+
+def floats(matrix):
+    return np.array(matrix.tolist(), float)
 
 
 class Scan:
@@ -164,9 +176,9 @@ class Scan:
 
     def __init__(self, loop, count):
         self.loop = loop
-        z = np.array(loop.start.tolist(), float).T
+        z = floats(loop.start).T
         for i in range(count.bit_length()):
-            step = np.array(loop.powers[i].tolist(), float)
+            step = floats(loop.powers[i])
             loop.powers += [loop.powers[i] * loop.powers[i]] if i + 1 == len(loop.powers) else []
             z = np.concatenate([z, z @ step.T])
         z = z[:count]
@@ -174,7 +186,7 @@ class Scan:
         pairs = [loop.rows(p, t) for p, t in self.places]
         self.y = z @ np.array([a for a, _ in pairs]).T
         slope = z @ np.array([b for _, b in pairs]).T
-        self.u = z @ np.array(loop.u.tolist()[0], float)
+        self.u = z @ floats(loop.u)[0]
         h = np.array([float(t2 - t) for (_, t), (_, t2) in zip(self.places, self.places[1:])])
         one_piece = np.array([a[0] == b[0] for a, b in zip(self.places, self.places[1:])])
         s, s2 = slope[:, :-1], slope[:, 1:]
@@ -371,7 +383,7 @@ def one(loop, spec):
         }
     except Disputed:
         return None
-    if count < 3000:
+    if count < 1500:
         try:
             found["others"] = {by: other(loop, by, count) for by in OTHERS}
         except Disputed:

@@ -9,8 +9,8 @@ import numpy as np
 from zoh.analysis.loop import Array
 from zoh.analysis.motion import Indices, Motion, Track
 
-_LOSS = 0.01  # of what moves: a crest rises by less between samples a quarter radian apart
 _LOOKED = 40  # the first crests, and the highest, that are looked at among many
+_ROUNDING = 1e-13  # of the largest: a crest that stands out by less does not
 _BAND = 0.02
 
 
@@ -18,43 +18,49 @@ def wanted(k: Indices, y: Array, u: Array, final: float) -> list[int]:
     """Return the rows before which samples were left out that a metric may need."""
     if k[-1] - k[0] < len(k):
         return []
-    coarse = np.diff(k) > 1
+    coarse = k[1:] - k[:-1] > 1
     begin = int(coarse.argmax())
-    marks = _crests(y, begin) | _crests(u, begin)
+    marks = _crests(k, y, begin) | _crests(k, u, begin)
     size, up = abs(final), y if final >= 0 else -y
     if up[: begin + 1].max() < 0.9 * size:
         marks.update(int((up >= level * size).argmax()) for level in (0.1, 0.9))
     band = _BAND * size
-    if max(y[begin:].max() - final, final - y[begin:].min()) > (1 - _LOSS) * band:
+    if max(y[begin:].max() - final, final - y[begin:].min()) > 0.9 * band:
         off = np.abs(y - final)
         outside = (off > band).nonzero()[0]
         after = int(outside[-1]) if len(outside) else 0
-        near = (off[after:] > (1 - _LOSS) * band).nonzero()[0]
-        marks.update((after + near[:_LOOKED]).tolist(), [after])
+        marks |= {after} | _tops(k, off, max(after, begin), band)
     rows = {j for i in marks for j in (i - 1, i) if begin <= j < len(coarse)}
     return sorted(j for j in rows if coarse[j])
 
 
-def _crests(a: Array, begin: int) -> set[int]:
-    """Return the rows from ``begin`` on where a may be the largest or the least of all."""
-    early, late = a[: begin + 1], a[begin:]
-    top, bottom = float(late.max()), float(late.min())
-    slack = _LOSS * (top - bottom)
+def _crests(k: Indices, a: Array, begin: int) -> set[int]:
+    """Return the rows from ``begin`` on beside which a may be the largest or the least of all."""
+    top, bottom = float(a.max()), float(a.min())
+    late = a[begin:]
+    near = 0.1 * (float(late.max()) - float(late.min()))  # a crest rises by far less
     found: set[int] = set()
-    if top + slack > early.max():
-        found |= _tops(late, top - slack)
-    if bottom - slack < early.min():
-        found |= _tops(-late, -bottom - slack)
-    return {begin + i for i in found}
+    if late.max() + near > top:
+        found |= _tops(k, a, begin, top)
+    if late.min() - near < bottom:
+        found |= _tops(k, -a, begin, -bottom)
+    return found
 
 
-def _tops(a: Array, level: float) -> set[int]:
-    """Return where a has its tops above a level, the first ones and the highest."""
-    high = (a >= level).nonzero()[0]
-    inner = high[(high > 0) & (high < len(a) - 1)]
-    inner = inner[(a[inner] >= a[inner - 1]) & (a[inner] >= a[inner + 1])]
-    best = inner[(-a[inner]).argsort(kind="stable")]
-    return {int(a.argmax()), *inner[:_LOOKED].tolist(), *best[:_LOOKED].tolist()}
+def _tops(k: Indices, a: Array, begin: int, level: float) -> set[int]:
+    """Return the rows from ``begin`` on beside which a has a crest above a level.
+
+    The first ones and the highest. What is bent downwards stays below its chords' extensions.
+    """
+    left = max(begin, 1)
+    rise, fall = a[left:-1] - a[left - 1 : -2], a[left:-1] - a[left + 1 :]
+    gaps = np.diff(k[left - 1 :]).astype(float)
+    ratio = gaps[1:] / gaps[:-1]
+    reach = np.maximum(rise * np.maximum(1, ratio), fall * np.maximum(1, 1 / ratio))
+    high = a[left:-1] + reach > level + _ROUNDING * max(abs(level), abs(float(a.max())))
+    found = ((rise >= 0) & (fall >= 0) & high).nonzero()[0] + left
+    best = found[(-a[found]).argsort(kind="stable")]
+    return {*found[:_LOOKED].tolist(), *best[:_LOOKED].tolist()}
 
 
 def filled(motion: Motion, track: Track, rows: list[int]) -> Track:

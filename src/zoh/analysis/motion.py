@@ -25,7 +25,8 @@ _SLOWEST = 1e-14
 _AT_ONCE = 1e6  # the decay of a mode at z = 0
 _GONE = 25.0  # exp(-25) of what it was is nothing
 _TURN = 0.25  # rad that a mode turns at most from one sample shown to the next
-_MOST = 400_000  # samples shown; a loop that needs more has thousands of swings
+_STILL = 1e-4  # of the slowest mode is little enough to speak of rest
+_MOST = 1_000_000  # samples shown; a loop that needs more has thousands of swings
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -117,12 +118,16 @@ class Motion:
         while k <= end and shown < _MOST:
             doublings, until = _pace(rates, k, end)
             stride = 1 << doublings
-            count = min((until - k) // stride + 1, _MOST - shown)
+            count = min(-(-(until - k) // stride) + 1, _MOST - shown)
             states = self.run(z, count + 1, doublings)
             ks.append(np.arange(k, k + stride * count, stride))
             zs.append(states[:, :-1])
             k, z, shown = k + stride * count, states[:, -1], shown + count
-        return Track(k=np.concatenate(ks), states=np.concatenate(zs, axis=1), rests=k > end)
+        return Track(
+            k=np.concatenate(ks),
+            states=np.concatenate(zs, axis=1),
+            rests=k > end or slowest * k > -log(_STILL),
+        )
 
 
 def _rate(moved: complex) -> tuple[float, float]:
@@ -143,7 +148,11 @@ def _pace(rates: list[tuple[float, float]], k: int, end: int) -> tuple[int, int]
     """Return (doublings of the stride from sample k on, the sample until which it is kept)."""
     alive = [(decay, turn) for decay, turn in rates if decay * k <= _GONE]
     fastest = alive[-1][1] if alive else 0.0
-    most = max(1, (end - k) // 32)
+    # one mode alone that does not swing has no crest, and a few samples show it
+    few = len(alive) == 1 and alive[0][0] == alive[0][1]
+    if few:
+        fastest = 0.0
+    most = max(1, (end - k) // (4 if few else 32))
     doublings = min(int(_TURN / max(fastest, _TURN / most)).bit_length() - 1, 60)
     if doublings < 0:
         doublings = 0

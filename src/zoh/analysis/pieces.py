@@ -44,7 +44,7 @@ class Piece:
     @classmethod
     def of(cls, a: list[float]) -> "Piece":
         """Return the polynomial of these ascending powers."""
-        return cls(a, (bernstein(len(a)) @ a).tolist())
+        return cls(a, bernstein(len(a)).dot(a).tolist())
 
     def at(self, t: float) -> float:
         """Return the value at t."""
@@ -110,12 +110,14 @@ class Piece:
 
 def _brackets(b: list[float], low: float, high: float) -> Iterator[tuple[float, float]]:
     """Yield, in order, intervals in which there is exactly one change of sign."""
-    changes = sum((p < 0) != (q < 0) for p, q in pairwise(b))
-    if changes == 0:
-        return
+    changes, below = 0, b[0] < 0
+    for c in b:
+        if (c < 0) != below:
+            below = not below
+            changes += 1
     if changes == 1:
         yield low, high
-    elif high - low > _NARROW:
+    elif changes and high - low > _NARROW:
         left, right = _halved(b)
         middle = (low + high) / 2
         yield from _brackets(left, low, middle)

@@ -26,6 +26,8 @@ def realised(system: Sampled) -> tuple[list[float], list[float], float]:
     n = len(system.den_w)
     half = (system.dt / 2).as_integer_ratio()
     num, den = _in_delta(whole[:n], half), _in_delta(whole[n:], half)
+    for i in range(n - len(system.num)):
+        num[i] = 0  # what z says is nothing is not the rounding of w
     first, lead = num[0], den[0]
     # a quotient of whole numbers is rounded once
     a = [x / lead for x in den[1:]]

@@ -120,7 +120,7 @@ class StepInfo:
         >>> StepInfo(settling_time=1.5).settling
         '1.5 s'
         >>> StepInfo(final_value=1.0, horizon=40.0).settling
-        'does not settle within 40 s'
+        'not at rest by 40 s'
         >>> StepInfo(stable=False).settling
         'unstable'
         """
@@ -130,7 +130,7 @@ class StepInfo:
             return f"{self.settling_time:.4g} s"
         if not self.final_value:
             return "settles to 0"
-        return f"does not settle within {self.horizon:.4g} s"
+        return f"not at rest by {self.horizon:.4g} s"
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON form."""

@@ -26,8 +26,9 @@ from zoh.sampling.ring import StepResponse, digits_needed
 Array = npt.NDArray[np.float64]
 
 GENTLE = 0.5  # rad that the fastest mode turns at most where floats serve
-SPAN = 1.0  # rad that a live mode turns at most in a stretch with one Taylor series
+SPAN = 2.0  # rad that a live mode turns at most in a stretch with one Taylor series
 MOST_STRETCHES = 2000  # in a sample; a resonance that swings more often is not followed
+_MOST_TERMS = 27  # of a series over SPAN, beside one for each state
 _TERM = 1e-17  # of the first: a term that is not added any more
 _DEAD = 40.0  # a mode at exp(-40) is gone
 
@@ -61,7 +62,7 @@ class Held:
         """Return (Phi(t) - I, Gamma(t)) for a fraction t of a sample, shapes (n, n) and (n,)."""
         n = len(self.low)
         if self.size * float(t) > GENTLE:
-            response, precision = self._exact()
+            response, precision = self._exact(float(t))
             with digits.precision(precision):
                 exact = response.exponential(Decimal(t))
                 exact[0] -= 1
@@ -88,7 +89,7 @@ class Held:
             on_state, on_input = self._series(list(self.c), span, terms)
             on_input[0] += self.d
             return np.array(on_state).reshape(terms, len(self.c)), np.array(on_input)
-        response, precision = self._exact()
+        response, precision = self._exact(t)
         with digits.precision(precision + int(terms * max(0.0, log10(self.size)))):
             exact = response.exponential(Decimal(t))
             q = [Decimal(0)] * len(exact)
@@ -124,9 +125,11 @@ class Held:
         poles = self.plant.poles() * self.dt
         poles = poles[np.abs(poles) > 0]
         sizes, t = np.abs(poles), 0.0
+        series = (_MOST_TERMS + len(self.low)) * np.log(np.maximum(1.0, sizes * length))
         out: list[tuple[float, float]] = []
         while t < length * (1 - 1e-12):
-            reach = np.maximum(SPAN / sizes, (-poles.real * t - _DEAD) / sizes)
+            over = -poles.real * t - _DEAD
+            reach = np.where(over > series, length, np.maximum(SPAN, over) / sizes)
             span = min(float(reach.min(initial=np.inf)), length - t)
             if len(out) == MOST_STRETCHES:
                 return []
@@ -142,9 +145,10 @@ class Held:
             term *= turn / j
         return len(self.low) + j
 
-    def _exact(self) -> tuple[StepResponse, int]:
+    def _exact(self, t: float) -> tuple[StepResponse, int]:
+        """Return the plant in digits, and how many of them a time t needs."""
         num, den = self.plant.exact
-        needed = digits_needed(num, den, self.dt)
+        needed = digits_needed(num, den, self.dt * t)
         with digits.precision(needed):
             gain = Decimal(self.plant.sensor)
             return StepResponse.of(num, den, gain, Decimal(self.dt)), needed
