@@ -98,7 +98,7 @@ class Loop:
         start = mp.zeros(size, 1)
         start[size - 1] = 1
         start[size - 2] = {"step": mpf(self.spec["reference"]), "impulse": mpf(1)}.get(by, mpf(0))
-        self.start, self.known = start, {}
+        self.start, self.known, self.known_series = start, {}, {}
         return start
 
     def state(self, k):
@@ -119,31 +119,36 @@ class Loop:
         return float(np.abs(np.linalg.eigvals(a)).max())
 
     def at(self, k, p, t, *, slope=False):
-        """Return the output (a ramp's is the error) at t in piece p of sample k."""
-        z = self.state(k)
-        x, v = self.starts[p] * z, (self.inputs[p] * z)[0]
-        now = self.flow(self.a * x + self.b * v, 0, mpf(t)) if slope else self.flow(x, v, mpf(t))
-        y = sum(self.c[i] * now[i] for i in range(self.n))
+        """Return the output (a ramp's is the error) at t in piece p of sample k, or its slope."""
+        t = mpf(t)
+        if self.fastest * t > 5:
+            z = self.state(k)
+            x, v = self.starts[p] * z, (self.inputs[p] * z)[0]
+            if t not in self.maps:
+                self.maps[t] = hold_matrices(self.a, self.b, t)
+            phi, gamma = self.maps[t]
+            now = phi * (self.a * x + self.b * v) if slope else phi * x + gamma * v
+            y = sum(self.c[i] * now[i] for i in range(self.n))
+        else:
+            y = mp.polyval(self.series(k, p)[slope], t)
         if self.by == "ramp":
             return 1 - y if slope else self.time(k, p, t) - y
         return y
 
-    def flow(self, x, v, t):
-        """Return what the plant's state becomes after t seconds of the input v."""
-        if self.fastest * t > 5:
-            if t not in self.maps:
-                self.maps[t] = hold_matrices(self.a, self.b, t)
-            phi, gamma = self.maps[t]
-            return phi * x + gamma * v
-        total, term, low, j = list(x), list(x), [-self.a[self.n - 1, i] for i in range(self.n)], 0
-        while j < self.n + 2 or max(map(abs, term)) > mpf(10) ** -WORKING * max(map(abs, total)):
-            j += 1
-            last = (v if j == 1 else 0) - sum(c * y for c, y in zip(low, term))
-            term = [y * t / j for y in (*term[1:], last)]
-            total = [y + z for y, z in zip(total, term)]
-            if not any(term):
-                break
-        return total
+    def series(self, k, p):
+        """Return the Taylor polynomials of the output and its slope from the piece's start on."""
+        if (k, p) not in self.known_series:
+            z = self.state(k)
+            x, v = self.starts[p] * z, (self.inputs[p] * z)[0]
+            low = [-self.a[self.n - 1, i] for i in range(self.n)]
+            term, out = list(x), []
+            for j in range(1, 90 + self.n):  # 5^90/90! is 1e-75
+                out.append(sum(c * y for c, y in zip(self.c, term, strict=True)))
+                last = (v if j == 1 else 0) - sum(c * y for c, y in zip(low, term, strict=True))
+                term = [y / j for y in (*term[1:], last)]
+            turned = [j * c for j, c in enumerate(out)][1:]
+            self.known_series[k, p] = out[::-1], turned[::-1]
+        return self.known_series[k, p]
 
     def time(self, k, p, t):
         return int(k) * self.dt + (self.pieces[0][0] if p else 0) + t
