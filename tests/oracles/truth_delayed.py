@@ -106,15 +106,15 @@ def make():
         }  # fmt: skip
         run = Run(spec, mpf(spec["den"][0]))
         assert all(abs(b - a) < 1e-2 for (_, a, _), (_, b, _) in pairwise(run.spots[-run.m :]))
-        size = max(map(abs, run.u))
+        ends = [*run.u, 1 / mpf(gain)]  # the input that holds the output at 1, its limit
         cases.append(
             spec
             | {
                 "at_samples": at_samples(run),
                 "between_samples": metrics(run),
-                "peak_effort": short(size),
-                "effort_range": [short(min(run.u)), short(max(run.u))],
-                "samples": [[k, short(run.y[k]), short(run.u[k])] for k in range(0, len(run.y), 997)],
+                "peak_effort": short(max(map(abs, ends))),
+                "effort_range": [short(min(ends)), short(max(ends))],
+                "samples": [[k, short(run.y[k]), short(run.u[k])] for k in range(0, len(run.y), len(run.y) // 12)],
             }
         )
         sys.stderr.write(f"delayed: {spec['name']}\n")
