@@ -23,7 +23,7 @@ LOOPS = [
     (3000.4, 0.7, 3000.0, 2.0, 0.5),
     (10000.0, 0.0, 9000.0, 1.0, 0.5),
 ]
-DELAYS = 14  # followed for so many
+DELAYS, LEAST = 14, 12_000  # followed for so many, and so many samples
 
 
 class Run:
@@ -39,7 +39,7 @@ class Run:
         falls = [mp.exp(-t / self.tau) for t, _ in pieces]
         x = u = e_before = mpf(0)
         self.y, self.u, self.spots = [], [], []
-        for k in range(DELAYS * self.m):
+        for k in range(max(DELAYS * self.m, LEAST)):
             e = 1 - x
             u += mpf(b0) * e + mpf(b1) * e_before
             e_before = e

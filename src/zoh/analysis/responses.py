@@ -24,13 +24,15 @@ from zoh.lti.systems import Plant, Sampled
 from zoh.sampling.hold import sample
 
 BAND = 0.02
+_NOTHING = 1e-10  # what stands out by less does not
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Response:
     """One output under one excitation of size 1, between the samples too.
 
-    peak, peak_time  its largest size and when in s; for a ramp the output is the error r - y
+    peak, peak_time  its largest size and when in s, None where it is only approached; for a ramp
+                     the output is the error, time minus y
     final_value      what it comes to; inf where it grows without end
     settling_time    s, from which on it stays within 2 % of the peak around the final value;
                      None where it does not by the horizon
@@ -40,7 +42,7 @@ class Response:
 
     excitation: Excitation
     peak: float
-    peak_time: float
+    peak_time: float | None
     final_value: float
     settling_time: float | None
     peak_effort: float
@@ -77,7 +79,7 @@ def response(
     return Response(
         excitation=by,
         peak=max(peak, abs(final)),
-        peak_time=t,
+        peak_time=t if peak > abs(final) * (1 + _NOTHING) else None,
         final_value=final,
         settling_time=settled if track.rests else None,
         peak_effort=inf if limit is None else max(abs(limit), float(np.abs(wave.u).max())),
