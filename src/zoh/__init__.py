@@ -14,8 +14,8 @@ import zoh.design as _laws  # before the function of the same name below, which 
 
 if TYPE_CHECKING:
     from zoh.analysis.closed import EXCITATIONS
-    from zoh.analysis.margins import margins
     from zoh.analysis.curves import Trace, trace
+    from zoh.analysis.margins import margins
     from zoh.analysis.responses import Response, noise_gains, response, response_trace
     from zoh.analysis.results import Margins, StepInfo
     from zoh.analysis.step import step_info

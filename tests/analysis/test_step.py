@@ -223,7 +223,7 @@ def test_unstable_is_an_answer(system):
 
 
 def test_what_is_no_system_is_refused():
-    with pytest.raises(SpecError, match="must be a zoh.Plant or zoh.Sampled"):
+    with pytest.raises(SpecError, match=r"must be a zoh\.Plant or zoh\.Sampled"):
         step_info([1.0, 2.0])
 
 
@@ -284,8 +284,8 @@ def test_a_plant_that_answers_at_once_jumps_at_the_samples():
     assert got.peak_time == pytest.approx(0.1 * int(np.argmax(y)), rel=1e-14)
     assert got.effort_range[0] == 0.0
     # between the samples it climbs on towards 2 u(k) until the next input
-    top, k, x, u = 0.0, 0, 0.0, 0.0
-    for k in range(200):
+    top, x, u = 0.0, 0.0, 0.0
+    for _ in range(200):
         at_sample = x + u
         x, u_old = fall * x + (1 - fall) * u, u
         top = max(top, at_sample, x + u_old)

@@ -102,7 +102,8 @@ def make():
         spec = {
             "name": f"{dead:g} and {compute:g} samples, lag of {tau:g}",
             "num": [gain], "den": [tau * dt, 1.0], "sensor": 1.0, "dead_time": dead * dt,
-            "compute_delay": compute * dt, "dt": dt, "controller": [[kp + ki * dt, -kp], [1.0, -1.0]],
+            "compute_delay": compute * dt, "dt": dt,
+            "controller": [[kp + ki * dt, -kp], [1.0, -1.0]],
         }  # fmt: skip
         run = Run(spec, mpf(spec["den"][0]))
         assert all(abs(b - a) < 1e-2 for (_, a, _), (_, b, _) in pairwise(run.spots[-run.m :]))
@@ -114,7 +115,10 @@ def make():
                 "between_samples": metrics(run),
                 "peak_effort": short(max(map(abs, ends))),
                 "effort_range": [short(min(ends)), short(max(ends))],
-                "samples": [[k, short(run.y[k]), short(run.u[k])] for k in range(0, len(run.y), len(run.y) // 12)],
+                "samples": [
+                    [k, short(run.y[k]), short(run.u[k])]
+                    for k in range(0, len(run.y), len(run.y) // 12)
+                ],
             }
         )
         sys.stderr.write(f"delayed: {spec['name']}\n")

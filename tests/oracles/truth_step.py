@@ -7,6 +7,7 @@ decided by less than a ten-thousandth is left out, so each answer is beyond disp
 """
 
 import sys
+from itertools import pairwise
 from multiprocessing import Pool
 
 import numpy as np
@@ -192,8 +193,9 @@ class Scan:
         self.y = z @ np.array([a for a, _ in pairs]).T
         slope = z @ np.array([b for _, b in pairs]).T
         self.u = z @ floats(loop.u)[0]
-        h = np.array([float(t2 - t) for (_, t), (_, t2) in zip(self.places, self.places[1:])])
-        one_piece = np.array([a[0] == b[0] for a, b in zip(self.places, self.places[1:])])
+        pairs = list(pairwise(self.places))
+        h = np.array([float(t2 - t) for (_, t), (_, t2) in pairs])
+        one_piece = np.array([p == p2 for (p, _), (p2, _) in pairs])
         s, s2 = slope[:, :-1], slope[:, 1:]
         with np.errstate(divide="ignore", invalid="ignore"):
             top = np.where(s * s2 < 0, s / (s - s2), 0.0)
@@ -300,9 +302,7 @@ def at_samples(scan, final):
     ten, ninety = (int(np.argmax(y >= level * size)) for level in (0.1, 0.9))
     settled = 1 + int(np.flatnonzero(np.abs(y - size) > size / 50)[-1])
     sign = 1 if final > 0 else -1
-    top, bottom = (
-        exact_top(y, side, lambda k: sign * loop.at(k, 0, 0)) for side in (1, -1)
-    )
+    top, bottom = (exact_top(y, side, lambda k: sign * loop.at(k, 0, 0)) for side in (1, -1))
     return {
         "overshoot_pct": percent(top[1] - abs(final), abs(final)),
         "undershoot_pct": percent(-bottom[1], abs(final)),

@@ -7,6 +7,7 @@ Source: K. J. Astrom and B. Wittenmark, Computer-Controlled Systems, 3rd ed., ch
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from decimal import Decimal
 from typing import Literal
 
@@ -44,45 +45,85 @@ def closed_loop(
         raise SpecError("by", f"must be one of {', '.join(EXCITATIONS)}", by, "choose one of these")
     dt = controller.dt
     m, lead = followable(plant, dt, compute_delay, controller.delay)
-    held, (a, c, direct) = Held.of(plant, dt), realised(controller)
-    n, kept = len(held.c), m if m <= CARRIED else 2
-    first = n + kept  # of the controller's states
-    own = first + len(a)
-    one, size = own + 1, own + 2
-    y, u, r = np.zeros(size), np.zeros(size), own if by in ("impulse", "ramp") else one
-    y[:n] = held.c
-    if kept:
-        y[first - 1] = held.d
-    if by == "disturbance":
-        y[one] = held.d
-    u[first:own] = c
-    u -= direct * y
-    if by != "disturbance":
-        u[r] += direct
-    if not kept and held.d:
-        u = _through(u, y, direct, held.d)
-    before, after = _inputs(u, first, kept, by == "disturbance")
-    stretches, moved = _between(held, before, after, lead)
-    delta = np.zeros((size, size))
-    delta[:n] = moved
-    if kept:
-        delta[n:first, n:first] = np.eye(kept, k=-1) - np.eye(kept)
-        delta[n] += u
-    if a:
-        _chain(delta, first, a)
-        delta[first] -= y
-        if by != "disturbance":
-            delta[first, r] += 1.0
-    start = np.zeros(size)
-    start[one] = 1.0
+    held, feedback = Held.of(plant, dt), realised(controller)
+    at = _Places.of(len(held.c), m, len(feedback[0]), by)
+    y, u = _signals(held, feedback, at)
+    stretches, moved = _between(held, *_inputs(u, at), lead)
+    delta, start = np.zeros((at.size, at.size)), np.zeros(at.size)
+    delta[: at.n] = moved
+    if at.kept:
+        queue = slice(at.n, at.first)
+        delta[queue, queue] = np.eye(at.kept, k=-1) - np.eye(at.kept)
+        delta[at.n] += u
+    if at.own > at.first:
+        _chain(delta, at.first, feedback[0])
+        delta[at.first] -= y
+        if at.r is not None:
+            delta[at.first, at.r] += 1.0
+    start[at.one] = 1.0
     if by == "ramp":
-        delta[own, one] = dt
+        delta[at.own, at.one] = dt
     elif by == "impulse":
-        delta[own, own], start[own] = -1.0, 1.0
+        delta[at.own, at.own], start[at.own] = -1.0, 1.0
     return Motion(
-        dt=dt, delta=delta, start=start, own=own, output=y, effort=u, stretches=stretches,
-        wait=m - 1 if m > CARRIED else 0, fed=n,
+        dt=dt, delta=delta, start=start, own=at.own, output=y, effort=u, stretches=stretches,
+        wait=m - 1 if m > CARRIED else 0, fed=at.n,
     )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Places:
+    """Where things stand in Z: n plant states, ``kept`` inputs, the controller's from ``first``.
+
+    r  which one is the reference, None where it is 0;  d  whether a disturbance of 1 acts
+    """
+
+    n: int
+    kept: int
+    first: int
+    own: int
+    r: int | None
+    d: bool
+
+    @classmethod
+    def of(cls, n: int, m: int, controllers: int, by: Excitation) -> "_Places":
+        kept = m if m <= CARRIED else 2  # of a queue the two that act in a sample
+        own = n + kept + controllers
+        r = {"step": own + 1, "disturbance": None}.get(by, own)
+        return cls(n=n, kept=kept, first=n + kept, own=own, r=r, d=by == "disturbance")
+
+    @property
+    def one(self) -> int:
+        return self.own + 1
+
+    @property
+    def size(self) -> int:
+        return self.own + 2
+
+
+def _signals(
+    held: Held, feedback: tuple[Sequence[float], Sequence[float], float], at: _Places
+) -> tuple[Array, Array]:
+    """Return output and effort at a sample as rows on Z."""
+    _, c, direct = feedback
+    y, u = np.zeros(at.size), np.zeros(at.size)
+    y[: at.n] = held.c
+    if at.kept:
+        y[at.first - 1] = held.d
+    if at.d:
+        y[at.one] = held.d
+    u[at.first : at.own] = c
+    u -= direct * y
+    if at.r is not None:
+        u[at.r] += direct
+    if held.d and not at.kept:  # the plant answers at once
+        if 1 + direct * held.d == 0:
+            raise SpecError(
+                "controller", "must not close an algebraic loop of gain -1", direct, "add delay"
+            )
+        u /= 1 + direct * held.d
+        y += held.d * u
+    return y, u
 
 
 def _chain(delta: Array, first: int, a: Sequence[float]) -> None:
@@ -93,26 +134,15 @@ def _chain(delta: Array, first: int, a: Sequence[float]) -> None:
         delta[i, i - 1] = 1.0
 
 
-def _through(u: Array, y: Array, direct: float, d: float) -> Array:
-    """Return u where the plant answers at once, its share put into y in place."""
-    if 1 + direct * d == 0:
-        raise SpecError(
-            "controller", "must not close an algebraic loop of gain -1", direct, "add delay"
-        )
-    u = u / (1 + direct * d)
-    y += d * u
-    return u
-
-
-def _inputs(u: Array, first: int, kept: int, disturbed: bool) -> tuple[Array, Array]:
+def _inputs(u: Array, at: _Places) -> tuple[Array, Array]:
     """Return the plant's input at the start of a sample and at its end, as rows on Z."""
     before, after = u.copy(), u.copy()
     for row, late in ((before, 1), (after, 2)):
-        if kept >= late:
+        if at.kept >= late:
             row[:] = 0.0
-            row[first - late] = 1.0
-        if disturbed:
-            row[-1] += 1.0
+            row[at.first - late] = 1.0
+        if at.d:
+            row[at.one] += 1.0
     return before, after
 
 
@@ -163,9 +193,7 @@ def continuous(plant: Plant, dt: float) -> Motion:
     )
 
 
-def _between(
-    held: Held, before: Array, after: Array, lead: Decimal
-) -> tuple[list[Stretch], Array]:
+def _between(held: Held, before: Array, after: Array, lead: Decimal) -> tuple[list[Stretch], Array]:
     """Return (the stretches of a sample, what the plant's state moves by, shape (n, N)).
 
     The plant's input is ``before`` until 1 - lead, then ``after``.
@@ -182,9 +210,7 @@ def _between(
     return (first + second if first and second else []), moved + _mixed(held.move(lead), x, after)
 
 
-def _stretches(
-    held: Held, x: Array | None, u: Array, begin: float, length: float
-) -> list[Stretch]:
+def _stretches(held: Held, x: Array | None, u: Array, begin: float, length: float) -> list[Stretch]:
     """Return the stretches over a constant input u, from the state x at its begin on."""
     return [
         Stretch(begin=begin + t, span=span, rows=_mixed(held.taylor(t, span), x, u))

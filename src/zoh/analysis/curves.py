@@ -49,9 +49,7 @@ def trace(
     return trace_of(motion, t_end, per_sample, reference)
 
 
-def trace_of(
-    motion: Motion, t_end: float, per_sample: int = 20, reference: float = 1.0
-) -> Trace:
+def trace_of(motion: Motion, t_end: float, per_sample: int = 20, reference: float = 1.0) -> Trace:
     """Return a motion's output and effort as curves, times ``reference``."""
     checks.positive("t_end", t_end, "give the last time in seconds")
     checks.whole("per_sample", per_sample, 1, "give the points between two samples")
@@ -83,9 +81,7 @@ def _between(motion: Motion, per_sample: int) -> tuple[Array, Array]:
     split = max(1, ceil(per_sample / len(motion.stretches)))
     at = np.arange(split + 1) / split
     times = [part.begin + part.span * at for part in motion.stretches]
-    rows = [
-        at[:, None] ** np.arange(len(part.rows)) @ part.rows for part in motion.stretches
-    ]
+    rows = [at[:, None] ** np.arange(len(part.rows)) @ part.rows for part in motion.stretches]
     return np.concatenate(times), np.concatenate(rows)
 
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from zoh.analysis.loop import Array
 from zoh.analysis.filling import filled, wanted
+from zoh.analysis.loop import Array
 from zoh.analysis.motion import Indices, Motion, Track
 from zoh.analysis.pieces import Piece, bernstein
 

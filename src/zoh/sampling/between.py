@@ -73,7 +73,7 @@ class Held:
         on_state, on_input = self._series(first, float(t), self.terms(float(t)))
         row, weight = [sum(column[:0:-1]) for column in zip(*on_state, strict=True)], sum(on_input)
         rows, weights = [row], [weight]
-        for i in range(1, n):  # a derivative; that of x_{i-1} at 0 is x_i, which has no input yet
+        for _ in range(1, n):  # the derivative of x_0 is x_1, and so on
             weights.append(row[-1])
             row = _derived(row, self.low)
             rows.append(row)
@@ -105,7 +105,7 @@ class Held:
     def _series(
         self, row: list[float], t: float, terms: int
     ) -> tuple[list[list[float]], list[float]]:
-        """Return t^j/j! times the j-th derivatives of ``row`` x, as rows and weights of the input."""
+        """Return t^j/j! times the j-th derivatives of ``row`` x, on the state and on the input."""
         rows, weights = [row], [0.0]
         for j in range(1, terms):
             step = t / j
@@ -190,9 +190,7 @@ def _derived(row: Sequence[float], low: Sequence[float]) -> list[float]:
     return [b - top * c for b, c in zip((0.0, *row), low, strict=False)]
 
 
-def _derivatives(
-    response: StepResponse, element: list[Decimal], count: int
-) -> list[list[Decimal]]:
+def _derivatives(response: StepResponse, element: list[Decimal], count: int) -> list[list[Decimal]]:
     """Return the element and its derivatives, times sigma each."""
     out = []
     for _ in range(count):
