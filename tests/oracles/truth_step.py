@@ -19,6 +19,7 @@ from truth_hold import companion, hold_matrices, whole_and_rest
 WORKING, DIGITS = 60, 22  # carried, written down
 LEVELS = (0.1, 0.9, 0.98, 1.02)
 LONGEST = 2_000_000  # samples
+LONGEST_OTHERS = 150  # samples of a loop that is excited otherwise, too
 OTHERS = ("disturbance", "impulse", "ramp")
 REST = 1e-6  # of itself is left of the slowest mode at the end
 
@@ -388,7 +389,7 @@ def one(loop, spec):
         }
     except Disputed:
         return None
-    if count < 1500:
+    if count < LONGEST_OTHERS:
         try:
             found["others"] = {by: other(loop, by, count) for by in OTHERS}
         except Disputed:
