@@ -280,11 +280,11 @@ def between(scan, final):
     flat, width = all_y.ravel(), all_y.shape[1]
     high, low = scan.extreme(sign), scan.extreme(-sign)
     ten, ninety = (
-        scan.crossing(int(np.argmax(flat >= level * float(size))), width, sign * level * size)
+        scan.crossing(int(np.argmax(flat >= float(level * size))), width, sign * level * size)
         for level in (mpf(1) / 10, mpf(9) / 10)
     )
     out = int(np.flatnonzero(np.abs(flat - float(size)) > float(size) / 50)[-1])
-    edge = size * (1 + (mpf(1) if flat[out] > size else mpf(-1)) / 50)
+    edge = size * (1 + (mpf(1) if flat[out] > float(size) else mpf(-1)) / 50)
     return {
         "overshoot_pct": percent(high[0] - size, size),
         "undershoot_pct": percent(low[0], size),

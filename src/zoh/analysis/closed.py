@@ -1,8 +1,8 @@
 """The motions there are: a closed loop under each excitation, and a system by itself.
 
-Z = (plant state, inputs still under way, controller state, signal, 1). The controller compares
-a reference r with the output y at the samples; a disturbance d is added to what the plant's
-input is after its dead time.
+Z = (plant state, inputs still under way, controller state, signal, 1), the signal only where it is
+no constant. The controller compares a reference r with the output y at the samples; a disturbance
+d is added to what the plant's input is after its dead time.
 Source: K. J. Astrom and B. Wittenmark, Computer-Controlled Systems, 3rd ed., ch. 2 and 3.
 """
 
@@ -82,6 +82,7 @@ class _Places:
     kept: int
     first: int
     own: int
+    one: int
     r: int | None
     d: bool
 
@@ -89,16 +90,15 @@ class _Places:
     def of(cls, n: int, m: int, controllers: int, by: Excitation) -> "_Places":
         kept = m if m <= CARRIED else 2  # of a queue the two that act in a sample
         own = n + kept + controllers
-        r = {"step": own + 1, "disturbance": None}.get(by, own)
-        return cls(n=n, kept=kept, first=n + kept, own=own, r=r, d=by == "disturbance")
-
-    @property
-    def one(self) -> int:
-        return self.own + 1
+        one = own + 1 if by in ("impulse", "ramp") else own
+        r = None if by == "disturbance" else own
+        return cls(
+            n=n, kept=kept, first=n + kept, own=own, one=one, r=r, d=by == "disturbance"
+        )  # fmt: skip
 
     @property
     def size(self) -> int:
-        return self.own + 2
+        return self.one + 1
 
 
 def _signals(

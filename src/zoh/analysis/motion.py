@@ -23,7 +23,7 @@ Indices = npt.NDArray[np.int64]
 QUIET = 1e-8  # the slowest mode has fallen to this at the horizon
 _SLOWEST = 1e-14
 _AT_ONCE = 1e6  # the decay of a mode at z = 0
-_GONE = 25.0  # exp(-25) of what it was is nothing
+_GONE = 20.0  # exp(-20) of what it was does not say where to look
 _TURN = 0.25  # rad that a mode turns at most from one sample shown to the next
 _STILL = 1e-4  # of the slowest mode is little enough to speak of rest
 _MOST = 1_000_000  # samples shown; a loop that needs more has thousands of swings

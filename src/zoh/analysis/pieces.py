@@ -71,8 +71,8 @@ class Piece:
         >>> list(Piece.of([0.0, 0.0, 4.0]).crossings(1.0))
         [0.5]
         """
-        for low, high in _brackets([c - level for c in self.b], 0.0, 1.0):
-            yield self._root(level, low, high)
+        for low, high, rises in _brackets([c - level for c in self.b], 0.0, 1.0):
+            yield self._root(level, low, high, rises)
 
     def highest(self) -> tuple[float, float]:
         """Return (t, value) where the polynomial is largest on [0, 1].
@@ -83,11 +83,12 @@ class Piece:
         spots = [0.0, *self.slope().crossings(0.0), 1.0]
         return max(((t, self.at(t)) for t in spots), key=lambda spot: spot[1])
 
-    def _root(self, level: float, low: float, high: float) -> float:
+    def _root(self, level: float, low: float, high: float, rises: bool) -> float:
         """Return the one crossing between two times, by Newton's steps kept in the bracket."""
         f_low, f_high = self.at(low) - level, self.at(high) - level
-        rises = f_high >= f_low
-        t = low - f_low * (high - low) / (f_high - f_low) if f_high != f_low else low
+        part = f_low / (f_low - f_high) if f_low != f_high else 0.5
+        # inside: at an end that is a crossing, too, rounding decides the sign
+        t = low + min(max(part, 0.02), 0.98) * (high - low)
         for _ in range(80):
             value, slope = 0.0, 0.0
             for c in reversed(self.a):
@@ -108,15 +109,15 @@ class Piece:
         return t
 
 
-def _brackets(b: list[float], low: float, high: float) -> Iterator[tuple[float, float]]:
-    """Yield, in order, intervals in which there is exactly one change of sign."""
+def _brackets(b: list[float], low: float, high: float) -> Iterator[tuple[float, float, bool]]:
+    """Yield, in order, (low, high, rises), intervals with exactly one change of sign."""
     changes, below = 0, b[0] < 0
     for c in b:
         if (c < 0) != below:
             below = not below
             changes += 1
     if changes == 1:
-        yield low, high
+        yield low, high, b[0] < 0
     elif changes and high - low > _NARROW:
         left, right = _halved(b)
         middle = (low + high) / 2
