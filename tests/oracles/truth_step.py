@@ -19,7 +19,7 @@ from truth_hold import companion, hold_matrices, whole_and_rest
 WORKING, DIGITS = 60, 22  # carried, written down
 LEVELS = (0.1, 0.9, 0.98, 1.02)
 LONGEST = 2_000_000  # samples
-LONGEST_OTHERS = 150  # samples of a loop that is excited otherwise, too
+LONGEST_OTHERS = 1500  # samples of a loop that is excited otherwise, too
 OTHERS = ("disturbance", "impulse", "ramp")
 REST = 1e-6  # of itself is left of the slowest mode at the end
 
@@ -356,6 +356,8 @@ def effort(scan, limit):
 
 def other(loop, by, count):
     """Return the furthest the output gets under another excitation, between samples too."""
+    if by == "ramp" and loop.spec["den"][-1] and sum(loop.spec["controller"][1]):
+        return None  # nothing integrates: the error grows without end
     loop.excited(by)
     scan = Scan(loop, count)
     if by != "impulse" and abs(scan.y[-1, 0]) > 0.999 * np.abs(scan.y).max():

@@ -25,7 +25,7 @@ _SLOWEST = 1e-14
 _AT_ONCE = 1e6  # the decay of a mode at z = 0
 _GONE = 20.0  # exp(-20) of what it was does not say where to look
 _TURN = 0.25  # rad that a mode turns at most from one sample shown to the next
-_STILL = 1e-4  # of the slowest mode is little enough to speak of rest
+STILL = 1e-4  # of the slowest mode is little enough to speak of rest
 _MOST = 1_000_000  # samples shown; a loop that needs more has thousands of swings
 
 
@@ -126,7 +126,7 @@ class Motion:
         return Track(
             k=np.concatenate(ks),
             states=np.concatenate(zs, axis=1),
-            rests=k > end or slowest * k > -log(_STILL),
+            rests=k > end or slowest * k > -log(STILL),
         )
 
 

@@ -5,12 +5,13 @@ samples is the plain response of a small system to a known input. Inside the blo
 few samples are one matrix product.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from zoh.analysis.loop import Array
-from zoh.analysis.motion import QUIET, Motion, Track
+from zoh.analysis.motion import QUIET, STILL, Motion, Track
 
 _CHUNK = 32  # samples in one product; a queue is longer
 _DELAYS = 4  # for so many delays the loop is still when it is called at rest
@@ -55,45 +56,50 @@ class _Chunk:
 
 def run(motion: Motion, count: int) -> Array:
     """Return Z at the samples 0 ... count - 1, what has just left the queue in its place."""
-    return _blocks(motion, count, None)
+    states = [block for block, _ in _blocks(motion, count)]
+    return np.concatenate(states, axis=1)[:, :count]
 
 
 def track(motion: Motion, at_rest: tuple[float, float | None]) -> Track:
-    """Return the motion until output and effort have been at ``at_rest`` for several delays."""
-    states = _blocks(motion, _MOST, at_rest)
-    count = states.shape[1]
-    return Track(k=np.arange(count), states=states, rests=count < _MOST)
+    """Return the motion until output and effort have been at ``at_rest`` for several delays.
+
+    None for an effort that comes to no rest.
+    """
+    patience, sizes = _DELAYS * (motion.wait + len(motion.delta)), [0.0, 0.0]
+    blocks, quiet, still = [], 0, 0
+    for states, u in _blocks(motion, _MOST):
+        blocks.append(states)
+        off = _off((motion.output @ states, u), at_rest, sizes)
+        quiet = quiet + len(u) if off <= QUIET else 0
+        still = still + len(u) if off <= STILL else 0
+        if quiet >= patience:
+            break
+    every = np.concatenate(blocks, axis=1)
+    return Track(k=np.arange(every.shape[1]), states=every, rests=still >= patience)
 
 
-def _blocks(motion: Motion, count: int, at_rest: tuple[float, float | None] | None) -> Array:
+def _blocks(motion: Motion, count: int) -> Iterator[tuple[Array, Array]]:
+    """Yield (Z, effort) of one block after the other, ``count`` samples or more."""
     if motion.effort is None:
         raise ValueError("a queue holds efforts")
     chunk, block = _Chunk.of(motion), motion.wait // _CHUNK * _CHUNK
-    blocks, effort = [], np.zeros(motion.wait)  # what was put in over the last wait samples
-    z, done, still, sizes = motion.start, 0, 0, [0.0, 0.0]
-    while done < count:
-        v = effort[:block]
+    under_way, z = np.zeros(motion.wait), motion.start  # put in over the last wait samples
+    for _ in range(0, count, block):
+        v = under_way[:block]
         states, z = chunk.over(z, v)
         states[motion.fed] = v
-        blocks.append(states)
         u = motion.effort @ states
-        effort = np.concatenate([effort[block:], u])
-        done += block
-        if at_rest is not None:
-            rests = _rests((motion.output @ states, u), at_rest, sizes)
-            still = still + block if rests else 0
-            if still >= _DELAYS * (motion.wait + len(z)):
-                break
-    return np.concatenate(blocks, axis=1)[:, :count]
+        under_way = np.concatenate([under_way[block:], u])
+        yield states, u
 
 
-def _rests(
+def _off(
     signals: tuple[Array, Array], at_rest: tuple[float, float | None], sizes: list[float]
-) -> bool:
-    """Return whether a block of each signal is where it ends; ``sizes`` are the largest so far."""
+) -> float:
+    """Return how far a block is from rest, in parts of the largest so far, kept in ``sizes``."""
+    off = 0.0
     for i, (signal, end) in enumerate(zip(signals, at_rest, strict=True)):
         if end is not None:
             sizes[i] = max(sizes[i], float(np.abs(signal).max()), abs(end))
-            if float(np.abs(signal - end).max()) > QUIET * sizes[i]:
-                return False
-    return True
+            off = max(off, float(np.abs(signal - end).max()) / (sizes[i] or 1.0))
+    return off
