@@ -14,37 +14,35 @@ _ROUNDING = 1e-13  # of the largest: a crest that stands out by less does not
 _BAND = 0.02
 
 
-def wanted(k: Indices, y: Array, u: Array, final: float) -> list[int]:
-    """Return the rows before which samples were left out that a metric may need."""
+def wanted(k: Indices, seen: Array, final: float) -> list[int]:
+    """Return the rows before which samples were left out that a metric may need.
+
+    seen  output and effort at the samples k, shape (2, K)
+    """
     if k[-1] - k[0] < len(k):
         return []
     coarse = k[1:] - k[:-1] > 1
     begin = int(coarse.argmax())
-    marks = _crests(k, y, begin) | _crests(k, u, begin)
-    size, up = abs(final), y if final >= 0 else -y
-    if up[: begin + 1].max() < 0.9 * size:
+    early, late = seen[:, : begin + 1], seen[:, begin:]
+    ends = [a.tolist() for a in (early.max(1), early.min(1), late.max(1), late.min(1))]
+    marks: set[int] = set()
+    for a, top, bottom, late_top, late_bottom in zip(seen, *ends, strict=True):
+        near = 0.1 * (late_top - late_bottom)  # a crest rises by far less
+        if late_top + near > top:
+            marks |= _tops(k, a, begin, max(top, late_top))
+        if late_bottom - near < bottom:
+            marks |= _tops(k, -a, begin, -min(bottom, late_bottom))
+    y, size, band = seen[0], abs(final), _BAND * abs(final)
+    if (ends[0][0] if final >= 0 else -ends[1][0]) < 0.9 * size:
+        up = y if final >= 0 else -y
         marks.update(int((up >= level * size).argmax()) for level in (0.1, 0.9))
-    band = _BAND * size
-    if max(y[begin:].max() - final, final - y[begin:].min()) > 0.9 * band:
+    if max(ends[2][0] - final, final - ends[3][0]) > 0.9 * band:
         off = np.abs(y - final)
         outside = (off > band).nonzero()[0]
         after = int(outside[-1]) if len(outside) else 0
         marks |= {after} | _tops(k, off, max(after, begin), band)
     rows = {j for i in marks for j in (i - 1, i) if begin <= j < len(coarse)}
     return sorted(j for j in rows if coarse[j])
-
-
-def _crests(k: Indices, a: Array, begin: int) -> set[int]:
-    """Return the rows from ``begin`` on beside which a may be the largest or the least of all."""
-    top, bottom = float(a.max()), float(a.min())
-    late = a[begin:]
-    near = 0.1 * (float(late.max()) - float(late.min()))  # a crest rises by far less
-    found: set[int] = set()
-    if late.max() + near > top:
-        found |= _tops(k, a, begin, top)
-    if late.min() - near < bottom:
-        found |= _tops(k, -a, begin, -bottom)
-    return found
 
 
 def _tops(k: Indices, a: Array, begin: int, level: float) -> set[int]:

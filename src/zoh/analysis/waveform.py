@@ -44,7 +44,7 @@ class Waveform:
         effort = np.zeros_like(motion.output) if motion.effort is None else motion.effort
         both = np.array([motion.output, effort])
         seen = both.dot(track.states)
-        while rows := wanted(track.k, seen[0], seen[1], final):
+        while rows := wanted(track.k, seen, final):
             track = filled(motion, track, rows)
             seen = both.dot(track.states)
         low, high = bounds(motion, track.states, seen[0])

@@ -74,8 +74,9 @@ class Held:
         row, weight = [sum(column[:0:-1]) for column in zip(*on_state, strict=True)], sum(on_input)
         rows, weights = [row], [weight]
         for _ in range(1, n):  # the derivative of x_0 is x_1, and so on
-            weights.append(row[-1])
-            row = _derived(row, self.low)
+            top = row[-1]
+            weights.append(top)
+            row = [b - top * c for b, c in zip((0.0, *row), self.low, strict=False)]
             rows.append(row)
         return np.array(rows), np.array(weights)
 
@@ -106,11 +107,11 @@ class Held:
         self, row: list[float], t: float, terms: int
     ) -> tuple[list[list[float]], list[float]]:
         """Return t^j/j! times the j-th derivatives of ``row`` x, on the state and on the input."""
-        rows, weights = [row], [0.0]
+        rows, weights, low = [row], [0.0], self.low
         for j in range(1, terms):
-            step = t / j
-            weights.append(row[-1] * step)
-            row = [a * step for a in _derived(row, self.low)]
+            step, top = t / j, row[-1]
+            weights.append(top * step)
+            row = [(b - top * c) * step for b, c in zip((0.0, *row), low, strict=False)]
             rows.append(row)
         return rows, weights
 
@@ -182,12 +183,6 @@ def _exactly(plant: Plant, dt: float) -> tuple[list[Decimal], list[Decimal], Dec
             low.append(a / den[0] * power)
             c.append((gain * b - d * (a / den[0])) * power)
     return low[::-1], c[::-1], d
-
-
-def _derived(row: Sequence[float], low: Sequence[float]) -> list[float]:
-    """Return the row on x that is the derivative of ``row`` x, but for the input."""
-    top = row[-1]
-    return [b - top * c for b, c in zip((0.0, *row), low, strict=False)]
 
 
 def _derivatives(response: StepResponse, element: list[Decimal], count: int) -> list[list[Decimal]]:
