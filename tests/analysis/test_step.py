@@ -60,6 +60,10 @@ def assert_metrics(got, truth):
         assert got.peak_time == pytest.approx(float(truth["peak_time"]), rel=1e-7)
 
 
+def test_there_are_two_hundred_loops():
+    assert len(CASES) >= 200
+
+
 def test_metrics_at_the_samples(measured):
     got, case = measured
     assert_metrics(got, case["at_samples"])
@@ -77,8 +81,12 @@ def test_final_value_error_and_effort(measured):
     error = case["reference"] - final
     assert got.steady_state_error == pytest.approx(error, rel=REL, abs=1e-12)
     assert got.peak_effort == pytest.approx(float(case["peak_effort"]), rel=REL)
-    wanted = [float(end) for end in case["effort_range"]]
-    assert got.effort_range == pytest.approx(wanted, rel=REL, abs=1e-12 * got.peak_effort)
+    limit = final * case["den"][-1] / case["num"][-1] / case["sensor"]
+    for end, wanted in zip(got.effort_range, map(float, case["effort_range"]), strict=True):
+        # 1e-5: the truth was followed to 1e-6 of the slowest mode, and does not see the last dips
+        # around the limit
+        rel = 1e-5 if wanted == pytest.approx(limit, rel=1e-12) else REL
+        assert end == pytest.approx(wanted, rel=rel, abs=1e-12 * got.peak_effort)
 
 
 @pytest.mark.parametrize("case", DELAYED, ids=lambda c: c["name"])
@@ -336,7 +344,11 @@ def test_a_controllers_pole_beside_minus_one():
     assert got.settling_time == pytest.approx(0.5 * (out[-1] + 1), rel=1e-14)
 
 
-@pytest.mark.parametrize("case", [c for c in CASES if c["dt"] > 5e-3][::4], ids=lambda c: c["name"])
+# rounded z-coefficients of a higher order, or at a smaller dt, have lost the answer
+IN_Z = [c for c in CASES if c["dt"] > (5e-3 if len(c["den"]) <= 4 else 0.1)][::4]
+
+
+@pytest.mark.parametrize("case", IN_Z, ids=lambda c: c["name"])
 def test_the_closed_loop_as_one_system_says_the_same(case):
     plant, controller = parts(case)
     loop = controller * sample(plant, case["dt"], case["compute_delay"])
