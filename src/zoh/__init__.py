@@ -14,10 +14,11 @@ import zoh.design as _laws  # before the function of the same name below, which 
 
 if TYPE_CHECKING:
     from zoh.analysis.closed import EXCITATIONS
+    from zoh.analysis.curves import Trace, trace
     from zoh.analysis.margins import margins
     from zoh.analysis.responses import Response, noise_gains, response, response_trace
     from zoh.analysis.results import Certificate, Margins, Proof, StepInfo
-    from zoh.analysis.step import Trace, step_info, trace
+    from zoh.analysis.step import step_info
     from zoh.analysis.verify import Measured, Verified, measure, verify
     from zoh.certificate import LAWS
     from zoh.errors import Infeasible, NotMet, RoundingWarning, SpecError, ZohError
@@ -76,8 +77,9 @@ _HOMES = {
     "zoh.analysis.closed": ("EXCITATIONS",),
     "zoh.analysis.margins": ("margins",),
     "zoh.analysis.responses": ("Response", "noise_gains", "response", "response_trace"),
+    "zoh.analysis.curves": ("Trace", "trace"),
     "zoh.analysis.results": ("Certificate", "Margins", "Proof", "StepInfo"),
-    "zoh.analysis.step": ("Trace", "step_info", "trace"),
+    "zoh.analysis.step": ("step_info",),
     "zoh.analysis.verify": ("Measured", "Verified", "measure", "verify"),
     "zoh.certificate": ("LAWS",),
     "zoh.errors": ("Infeasible", "NotMet", "RoundingWarning", "SpecError", "ZohError"),

@@ -1,6 +1,8 @@
-"""Responses other than the step's, by hand and against the plain recursion."""
+"""Responses other than the step's: by hand, by the plain recursion, against 50 digits."""
 
+import json
 from math import inf, sqrt
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +12,31 @@ import zoh
 ARM = zoh.Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
 PID = zoh.Sampled(num=[81.51, -139.5, 58.07], den=[1, -1, 0], dt=0.1)
 LEAD = zoh.Sampled(num=[49.927, -48.1396], den=[1, -0.8215], dt=0.1)
+
+
+CASES = json.loads((Path(__file__).parents[1] / "oracles" / "step.json").read_text())
+PEAKS = [
+    pytest.param(case, by, found, id=f"{by}: {case['name']}")
+    for case in CASES
+    for by, found in case.get("others", {}).items()
+    if found is not None
+]
+
+
+@pytest.mark.parametrize(("case", "by", "truth"), PEAKS)
+def test_peaks_between_the_samples(case, by, truth):
+    plant = zoh.Plant(
+        num=case["num"], den=case["den"], dead_time=case["dead_time"], sensor=case["sensor"]
+    )
+    controller = zoh.Sampled(num=case["controller"][0], den=case["controller"][1], dt=case["dt"])
+    found = zoh.response(plant, controller, by=by, compute_delay=case["compute_delay"])
+    assert found.peak == pytest.approx(float(truth["peak"]), rel=1e-9)
+    # the time of a flat top: its height to 1e-15 is its time to the root of that
+    assert found.peak_time == pytest.approx(float(truth["peak_time"]), rel=1e-7)
+
+
+def test_there_are_two_hundred_peaks():
+    assert len(PEAKS) >= 200
 
 
 def recursion(num, den, e):
@@ -88,6 +115,50 @@ def test_noise_is_the_sum_of_squares_of_the_impulse_response():
     found = zoh.noise_gains(ARM, LEAD)
     # 1e-7: what is left of the slowest mode after 4000 samples, and the recursion's rounding
     assert found == pytest.approx((sqrt(y @ y), sqrt(u @ u)), rel=1e-7)
+
+
+def test_a_ramps_error_between_the_samples_by_hand():
+    # 1/s behind P g, dt 1: y(1) = 0, then e(k) = r - y: e(1) = 1, y(2) = g, and in (1, 2) the
+    # error t - y(t) = t - g (t - 1) grows on; with g < 1 it creeps up to 1/g at the samples, and
+    # between two of them it is never above the higher
+    found = zoh.response(
+        zoh.Plant(num=[1], den=[1, 0]), zoh.Sampled(num=[0.5], den=[1], dt=1.0), by="ramp"
+    )
+    assert found.final_value == pytest.approx(2.0, rel=1e-12)
+    assert found.peak == pytest.approx(2.0, rel=1e-7)
+    assert found.peak_time is None  # it creeps up to its end
+    # with g = 1.5: e = 0, 1, 0.5, 0.75, ... at the samples, 1/1.5 at the end
+    found = zoh.response(
+        zoh.Plant(num=[1], den=[1, 0]), zoh.Sampled(num=[1.5], den=[1], dt=1.0), by="ramp"
+    )
+    assert (found.peak, found.peak_time) == (pytest.approx(1.0, rel=1e-14), 1.0)
+
+
+def test_noise_through_a_long_delay_by_hand():
+    # y(k+1) = y(k) - g (y + n)(k - m): for a small g it is the delay-free filter, but exactly it
+    # is the sum of squares of the recursion's impulse response
+    g, m, count = 0.004, 100, 20_000
+    y, u = [0.0], []
+    for k in range(count):
+        u.append(-g * (y[k] + (1.0 if k == 0 else 0.0)))
+        y.append(y[k] + (u[k - m] if k >= m else 0.0))
+    plant = zoh.Plant(num=[1], den=[1, 0], dead_time=float(m))
+    found = zoh.noise_gains(plant, zoh.Sampled(num=[g], den=[1], dt=1.0))
+    truth = sqrt(sum(v * v for v in y)), sqrt(sum(v * v for v in u))
+    assert found == pytest.approx(truth, rel=1e-9)
+
+
+def test_a_disturbance_on_a_loop_that_waits_a_thousand_samples():
+    # until the first answer arrives after 10 s the lag does what it does alone: 2 (1 - e^-(t/30))
+    plant = zoh.Plant(num=[2], den=[30, 1], dead_time=10.0)
+    kp = 0.4 * 30 / (2 * 10)
+    controller = zoh.Sampled(num=[kp + kp / 30 * 0.01, -kp], den=[1, -1], dt=0.01)
+    found = zoh.response(plant, controller, by="disturbance")
+    assert found.final_value == 0.0
+    assert found.peak >= 2 * (1 - np.exp(-10 / 30))
+    curve = zoh.response_trace(plant, controller, by="disturbance", t_end=10.0, per_sample=1)
+    assert curve.y == pytest.approx(2 * (1 - np.exp(-curve.t / 30)), rel=1e-11)
+    assert found.settling_time is not None
 
 
 def test_unstable_and_unknown_are_refused():

@@ -10,8 +10,9 @@ from math import inf, pi, radians
 import numpy as np
 import pytest
 
+from zoh.analysis.curves import trace
 from zoh.analysis.margins import margins
-from zoh.analysis.step import step_info, trace
+from zoh.analysis.step import step_info
 from zoh.lti.systems import Plant, Sampled
 from zoh.sampling.hold import sample
 

@@ -39,11 +39,12 @@ def _compared(
     ]
     if step is not None:
         between = step.between_samples or step
+        error = None if step.steady_state_error is None else abs(step.steady_state_error)
         rows += [
             ("overshoot_pct", asked.overshoot_pct, between.overshoot_pct, False),
             ("rise_time", asked.rise_time, step.rise_time, False),
             ("settling_time", asked.settling_time, step.settling_time, False),
-            ("steady_state_error", asked.steady_state_error, abs(step.steady_state_error), False),
+            ("steady_state_error", asked.steady_state_error, error, False),
             ("peak_effort", asked.peak_effort, step.peak_effort, False),
         ]
     return rows

@@ -1,30 +1,31 @@
 """The motions there are: a closed loop under each excitation, and a system by itself.
 
-Z = (plant state, inputs still under way, controller state, signal, 1). The controller compares
-a reference r with the output y at the samples; a disturbance d is added to what the plant's
-input is after its dead time.
+Z = (plant state, inputs still under way, controller state, signal, 1), the signal only where it is
+no constant. The controller compares a reference r with the output y at the samples; a disturbance
+d is added to what the plant's input is after its dead time.
 Source: K. J. Astrom and B. Wittenmark, Computer-Controlled Systems, 3rd ed., ch. 2 and 3.
 """
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from decimal import Decimal
-from math import ceil
 from typing import Literal
 
 import numpy as np
 
 from zoh.analysis.loop import Array
-from zoh.analysis.motion import Motion, Segment
+from zoh.analysis.motion import Motion, Stretch
 from zoh.analysis.realised import realised
 from zoh.errors import SpecError
 from zoh.lti import digits
 from zoh.lti.systems import Plant, Sampled
 from zoh.sampling.between import Held
-from zoh.sampling.hold import whole_samples
+from zoh.sampling.hold import MAX_DELAY, whole_samples
 
 Excitation = Literal["step", "impulse", "ramp", "disturbance"]
 EXCITATIONS: tuple[Excitation, ...] = ("step", "impulse", "ramp", "disturbance")
 
-LONGEST_DELAY = 400  # samples carried in the state
+CARRIED = 64  # samples of delay carried in the state; more stand in a queue
 
 
 def closed_loop(
@@ -42,50 +43,121 @@ def closed_loop(
     """
     if by not in EXCITATIONS:
         raise SpecError("by", f"must be one of {', '.join(EXCITATIONS)}", by, "choose one of these")
-    m, lead = followable(plant, controller.dt, compute_delay, controller.delay)
-    held = Held.of(plant, controller.dt)
-    ac, bc, cc, dc = realised(controller)
-    n, nc = len(held.c), len(cc)
-    own = n + m + nc
-    unit = np.eye(own + 2)
-    x, past, xc, signal, one = unit[:n], unit[n : n + m], unit[n + m : own], unit[-2], unit[-1]
-    r = {"step": one, "disturbance": 0 * one}.get(by, signal)
-    d = one if by == "disturbance" else 0 * one
-    still = held.c @ x + held.d * (d + past[-1] if m else d)  # y but for the input of now
-    direct = held.d if not m else 0.0
-    if 1 + dc * direct == 0:
-        raise SpecError(
-            "controller", "must not close an algebraic loop of gain -1", dc, "add delay"
-        )
-    u = (cc @ xc + dc * (r - still)) / (1 + dc * direct)
-    output = still + direct * u
-    before = past[-1] if m else u
-    after = (past[-2] if m > 1 else u) if m else u
-    segments = _segments(held, x, before + d, after + d, lead)
-    delta = np.zeros_like(unit)
-    delta[:n] = segments[-1].states[-1] - x
-    for i in range(m):
-        delta[n + i] = (past[i - 1] if i else u) - past[i]
-    delta[n + m : own] = ac @ xc + np.outer(bc, r - output)
-    delta[-2] = {"ramp": controller.dt * one, "impulse": -signal}.get(by, 0 * one)
+    dt = controller.dt
+    m, lead = followable(plant, dt, compute_delay, controller.delay)
+    held, feedback = Held.of(plant, dt), realised(controller)
+    at = _Places.of(len(held.c), m, len(feedback[0]), by)
+    y, u = _signals(held, feedback, at)
+    stretches, moved = _between(held, *_inputs(u, at), lead)
+    delta, start = np.zeros((at.size, at.size)), np.zeros(at.size)
+    delta[: at.n] = moved
+    if at.kept:
+        queue = slice(at.n, at.first)
+        delta[queue, queue] = np.eye(at.kept, k=-1) - np.eye(at.kept)
+        delta[at.n] += u
+    if at.own > at.first:
+        _chain(delta, at.first, feedback[0])
+        delta[at.first] -= y
+        if at.r is not None:
+            delta[at.first, at.r] += 1.0
+    start[at.one] = 1.0
+    if by == "ramp":
+        delta[at.own, at.one] = dt
+    elif by == "impulse":
+        delta[at.own, at.own], start[at.own] = -1.0, 1.0
     return Motion(
-        dt=controller.dt, delta=delta, start=one + signal if by == "impulse" else one, own=own,
-        output=output, effort=u, held=held, segments=segments,
+        dt=dt, delta=delta, start=start, own=at.own, output=y, effort=u, stretches=stretches,
+        wait=m - 1 if m > CARRIED else 0, fed=at.n,
     )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Places:
+    """Where things stand in Z: n plant states, ``kept`` inputs, the controller's from ``first``.
+
+    r  which one is the reference, None where it is 0;  d  whether a disturbance of 1 acts
+    """
+
+    n: int
+    kept: int
+    first: int
+    own: int
+    one: int
+    r: int | None
+    d: bool
+
+    @classmethod
+    def of(cls, n: int, m: int, controllers: int, by: Excitation) -> "_Places":
+        kept = m if m <= CARRIED else 2  # of a queue the two that act in a sample
+        own = n + kept + controllers
+        one = own + 1 if by in ("impulse", "ramp") else own
+        r = None if by == "disturbance" else own
+        return cls(
+            n=n, kept=kept, first=n + kept, own=own, one=one, r=r, d=by == "disturbance"
+        )  # fmt: skip
+
+    @property
+    def size(self) -> int:
+        return self.one + 1
+
+
+def _signals(
+    held: Held, feedback: tuple[Sequence[float], Sequence[float], float], at: _Places
+) -> tuple[Array, Array]:
+    """Return output and effort at a sample as rows on Z."""
+    _, c, direct = feedback
+    y, u = np.zeros(at.size), np.zeros(at.size)
+    y[: at.n] = held.c
+    if at.kept:
+        y[at.first - 1] = held.d
+    if at.d:
+        y[at.one] = held.d
+    u[at.first : at.own] = c
+    u -= direct * y
+    if at.r is not None:
+        u[at.r] += direct
+    if held.d and not at.kept:  # the plant answers at once
+        if 1 + direct * held.d == 0:
+            raise SpecError(
+                "controller", "must not close an algebraic loop of gain -1", direct, "add delay"
+            )
+        u /= 1 + direct * held.d
+        y += held.d * u
+    return y, u
+
+
+def _chain(delta: Array, first: int, a: Sequence[float]) -> None:
+    """Write a chain of sums with feedback a into delta, in place, its input left out."""
+    delta[first, first : first + len(a)] = a
+    delta[first] *= -1.0
+    for i in range(first + 1, first + len(a)):
+        delta[i, i - 1] = 1.0
+
+
+def _inputs(u: Array, at: _Places) -> tuple[Array, Array]:
+    """Return the plant's input at the start of a sample and at its end, as rows on Z."""
+    before, after = u.copy(), u.copy()
+    for row, late in ((before, 1), (after, 2)):
+        if at.kept >= late:
+            row[:] = 0.0
+            row[at.first - late] = 1.0
+        if at.d:
+            row[at.one] += 1.0
+    return before, after
 
 
 def followable(plant: Plant, dt: float, compute_delay: float, more: int = 0) -> tuple[int, Decimal]:
     """Return the loop's delay as (m, lead), m samples less a fraction, ``more`` samples included.
 
-    Raises SpecError for more samples than a time response is followed through.
+    Raises SpecError for more samples than a loop may wait.
     """
     if not isinstance(plant, Plant):
         raise SpecError("plant", "must be a zoh.Plant", plant, "give num and den, or a formula")
     m, lead = whole_samples(plant.dead_time, compute_delay, dt)
-    if m + more > LONGEST_DELAY:
+    if m + more > MAX_DELAY:
         raise SpecError(
             "dead_time + compute_delay",
-            f"must be at most {LONGEST_DELAY} samples ({LONGEST_DELAY * dt:.6g} s) in a loop",
+            f"must be at most {MAX_DELAY} samples ({MAX_DELAY * dt:.6g} s) in a loop",
             m + more,
             "sample more slowly",
         )
@@ -93,80 +165,64 @@ def followable(plant: Plant, dt: float, compute_delay: float, more: int = 0) -> 
 
 
 def autonomous(system: Sampled) -> Motion:
-    """Return the step response of a sampled system as a motion known at the samples only."""
-    a, b, c, d = realised(system)
-    m = system.delay
-    size = len(c) + m + 1
-    unit = np.eye(size)
-    delta = np.zeros((size, size))
-    held_back = unit[len(c) : len(c) + m]
-    for i in range(m):
-        delta[len(c) + i] = (held_back[i - 1] if i else unit[-1]) - held_back[i]
-    fed = held_back[-1] if m else unit[-1]
-    delta[: len(c)] = a @ unit[: len(c)] + np.outer(b, fed)
-    output = c @ unit[: len(c)] + d * fed
+    """Return the step response of a sampled system, its delay left out, at the samples only."""
+    a, c, d = realised(system)
+    n = len(a)
+    delta, output, start = np.zeros((n + 1, n + 1)), np.zeros(n + 1), np.zeros(n + 1)
+    start[n] = 1.0
+    if n:
+        _chain(delta, 0, a)
+        delta[0, n] = 1.0
+    output[:n], output[n] = c, d
     return Motion(
-        dt=system.dt, delta=delta, start=unit[-1], own=size - 1, output=output,
-        effort=None, held=None, segments=(),
-    )  # fmt: skip
+        dt=system.dt, delta=delta, start=start, own=n, output=output, effort=None, stretches=()
+    )
 
 
 def continuous(plant: Plant, dt: float) -> Motion:
     """Return the step response of a continuous system, cut into intervals of dt; no dead time."""
     held = Held.of(plant, dt)
     n = len(held.c)
-    unit = np.eye(n + 1)
-    segments = _segments(held, unit[:n], unit[-1], unit[-1], Decimal(0))
-    delta = np.zeros((n + 1, n + 1))
-    if n:
-        delta[:n] = segments[-1].states[-1] - unit[:n]
-    output = held.c @ unit[:n] + held.d * unit[-1]
+    one = np.zeros(n + 1)
+    one[n] = 1.0
+    stretches, moved = _between(held, one, one, Decimal(0))
+    delta, output = np.zeros((n + 1, n + 1)), held.d * one
+    delta[:n], output[:n] = moved, held.c
     return Motion(
-        dt=dt, delta=delta, start=unit[-1], own=n, output=output,
-        effort=None, held=held, segments=segments,
-    )  # fmt: skip
+        dt=dt, delta=delta, start=one, own=n, output=output, effort=None, stretches=stretches
+    )
 
 
-def _segments(
-    held: Held, x: Array, before: Array, after: Array, lead: Decimal
-) -> tuple[Segment, ...]:
-    """Return the stretches of one sample: input ``before`` until 1 - lead, then ``after``."""
+def _between(held: Held, before: Array, after: Array, lead: Decimal) -> tuple[list[Stretch], Array]:
+    """Return (the stretches of a sample, what the plant's state moves by, shape (n, N)).
+
+    The plant's input is ``before`` until 1 - lead, then ``after``.
+    """
+    if not lead:
+        return _stretches(held, None, before, 0.0, 1.0), _mixed(held.move(1.0), None, before)
     with digits.precision(digits.KEPT):
         switch = 1 - lead
-    first = _segment(held, 0.0, switch, x, before)
-    if not lead:
-        return (first,)
-    return first, _segment(held, float(switch), lead, first.states[-1], after)
+    n, moved = len(held.c), _mixed(held.move(switch), None, before)
+    x = moved.copy()
+    x[:, :n] += np.eye(n)
+    first = _stretches(held, None, before, 0.0, float(switch))
+    second = _stretches(held, x, after, float(switch), float(lead))
+    return (first + second if first and second else []), moved + _mixed(held.move(lead), x, after)
 
 
-def _segment(held: Held, start: float, length: Decimal, x: Array, u: Array) -> Segment:
-    times, exact = _fractions(held, length)
-    states = np.empty((len(times), *x.shape))
-    states[0] = x
-    if exact:
-        moves = [held.move(Decimal(t)) for t in times[1:-1]] + [held.move(length)]
-        for i, (delta, gamma) in enumerate(moves, 1):
-            states[i] = x + delta @ x + np.outer(gamma, u)
+def _stretches(held: Held, x: Array | None, u: Array, begin: float, length: float) -> list[Stretch]:
+    """Return the stretches over a constant input u, from the state x at its begin on."""
+    return [
+        Stretch(begin=begin + t, span=span, rows=_mixed(held.taylor(t, span), x, u))
+        for t, span in held.stretches(length)
+    ]
+
+
+def _mixed(weights: tuple[Array, Array], x: Array | None, u: Array) -> Array:
+    """Return rows on Z from (rows on the state x, weights of the input u); None is x in Z."""
+    rows = weights[1][:, None] * u
+    if x is None:
+        rows[:, : weights[0].shape[1]] += weights[0]
     else:
-        delta, gamma = held.move(Decimal(float(times[1])))
-        for i in range(1, len(times) - 1):
-            states[i] = states[i - 1] + delta @ states[i - 1] + np.outer(gamma, u)
-        delta, gamma = held.move(length)
-        states[-1] = x + delta @ x + np.outer(gamma, u)
-    return Segment(start=start, times=times, states=states, input=u)
-
-
-def _fractions(held: Held, length: Decimal) -> tuple[Array, bool]:
-    """Return the times in a segment to look at, and whether each needs its own exponential.
-
-    Half a radian of the fastest mode apart; where that mode is over in a fraction of the
-    sample, ever wider apart from the start on, where it is excited.
-    """
-    end = float(length)
-    fastest = held.fastest
-    count = int(min(64, max(8, 2 ** ceil(np.log2(2 * fastest * end + 1e-300)))))
-    even = np.linspace(0.0, end, count + 1)
-    if fastest * end <= 32:
-        return even, False
-    early = np.geomspace(0.02 / fastest, end, 120, endpoint=False)
-    return np.unique(np.concatenate([even, early])), True
+        rows += weights[0] @ x
+    return rows

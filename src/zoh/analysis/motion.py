@@ -1,57 +1,70 @@
-"""A linear motion, known at the samples and at fractions of them.
+"""A linear motion, known at the samples and between them.
 
 The state Z at a sample ends with what drives it: a one, and before it a signal where the drive
 is no constant. Everything is linear in Z::
 
     Z(k+1) = Z(k) + delta Z(k),    y(k, t) = (a row that depends on t) Z(k)
 
-with delta instead of delta + I, so that a small dt costs no digits.
+with delta instead of delta + I, so that a small dt costs no digits. A delay too long to be
+carried in Z is a queue beside it (see ``queue``).
 """
 
-from dataclasses import dataclass
-from math import ceil, inf, log
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from math import atan2, ceil, hypot, inf, log, log1p
 
 import numpy as np
 import numpy.typing as npt
 
 from zoh.analysis.loop import Array
-from zoh.sampling.between import Held
 
 Indices = npt.NDArray[np.int64]
 
-_QUIET = 1e-8  # the slowest mode has fallen to this at the horizon
-_BLOCK = 256
+QUIET = 1e-8  # the slowest mode has fallen to this at the horizon
 _SLOWEST = 1e-14
-_CELLS = 200_000  # numbers in the maps of a block
-_MOST = 400_000  # samples followed; a loop that needs more has thousands of swings
+_AT_ONCE = 1e6  # the decay of a mode at z = 0
+_GONE = 20.0  # exp(-20) of what it was does not say where to look
+_TURN = 0.25  # rad that a mode turns at most from one sample shown to the next
+STILL = 1e-4  # of the slowest mode is little enough to speak of rest
+_MOST = 1_000_000  # samples shown; a loop that needs more has thousands of swings
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Segment:
-    """A stretch of every sample interval during which the plant's input is constant.
+class Stretch:
+    """A part of every sample interval over which the output is one Taylor series.
 
-    start   fraction of the sample at which it begins
-    times   fractions after start at which maps are known, shape (K,), from 0 to its end
-    states  shape (K, n, N): the plant's state there, times Z
-    input   shape (N,): the input during it, times Z
+    begin, span  fractions of the sample
+    rows         shape (terms, N): the coefficients of ((t - begin)/span)^j, times Z
     """
 
-    start: float
-    times: Array
+    begin: float
+    span: float
+    rows: Array
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Track:
+    """A motion at the samples that show it.
+
+    k, states  which samples, shape (K,), and Z there, shape (N, K), a column a sample
+    rests      whether what moves has come to rest by the last of them
+    """
+
+    k: Indices
     states: Array
-    input: Array
+    rests: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Motion:
-    """A stable linear motion sampled every dt.
+    """A linear motion sampled every dt.
 
-    delta     shape (N, N)
-    start     shape (N,): Z at k = 0, at rest but for what drives it
-    own       how many of the N states are the system's; the others are what drives it
-    output    shape (N,): y at the samples; effort likewise for u, None where there is no u
-    held      the plant between the samples, None where nothing is known there
-    segments  the one or two stretches of a sample interval
+    delta      shape (N, N)
+    start      shape (N,): Z at k = 0, at rest but for what drives it
+    own        how many of the N states are the system's; the others are what drives it
+    output     shape (N,): y at the samples; effort likewise for u, None where there is no u
+    stretches  the parts of a sample interval; none where nothing is known between the samples
+    wait, fed  the effort is back in state ``fed`` ``wait`` samples later; 0 where Z has it all
     """
 
     dt: float
@@ -60,65 +73,89 @@ class Motion:
     own: int
     output: Array
     effort: Array | None
-    held: Held | None
-    segments: tuple[Segment, ...]
+    stretches: Sequence[Stretch]
+    wait: int = 0
+    fed: int = 0
+    _powers: list[Array] = field(default_factory=list, repr=False, compare=False)
 
-    def rates(self) -> Array:
-        """Return log |z| and |log z| per sample of each own mode z, shape (own, 2)."""
-        moved = np.linalg.eigvals(self.delta[: self.own, : self.own])
-        with np.errstate(divide="ignore"):
-            logs = np.log1p(moved.astype(complex))
-        decay = np.maximum(
-            logs.real, -1e6
-        )  # a mode at z = 0 is gone at once, not at minus infinity
-        return np.stack([decay, np.where(np.isfinite(logs), np.abs(logs), 1e6)], axis=1)
+    def power(self, i: int) -> Array:
+        """Return S with Z(k + 2^i) = Z(k) + S Z(k)."""
+        powers = self._powers
+        if not powers:
+            powers.append(self.delta)
+        while len(powers) <= i:
+            s = powers[-1]
+            powers.append(s + s + s.dot(s))
+        return powers[i]
 
-    def jump(self, steps: int) -> Array:
-        """Return S with Z(k + steps) = Z(k) + S Z(k), by doubling."""
-        total, power = np.zeros_like(self.delta), self.delta
-        while steps:
-            if steps & 1:
-                total = total + power + total @ power
-            power = 2 * power + power @ power
-            steps >>= 1
-        return total
-
-    def run(self, first: Array, count: int, stride: int = 1) -> Array:
-        """Return Z at k = 0, stride, ... (count - 1) stride after ``first``, shape (count, N)."""
-        one = self.jump(stride)
-        maps, leap = np.zeros((1, *one.shape)), one
-        while len(maps) < min(_BLOCK, count, max(1, _CELLS // one.size)):
-            maps = np.concatenate([maps, maps + leap + maps @ leap])
-            leap = 2 * leap + leap @ leap
-        block = len(maps)
-        out, z = np.empty((count, len(one))), first
-        for k in range(0, count, block):
-            out[k : k + block] = (z + maps @ z)[: count - k]
-            z = z + leap @ z
+    def run(self, first: Array, count: int, doublings: int = 0) -> Array:
+        """Return ``count`` columns, Z at every 2^doublings samples from ``first`` on."""
+        out = np.empty((len(first), count))
+        out[:, 0] = first
+        done = 1
+        while done < count:
+            more = min(done, count - done)
+            known = out[:, :more]
+            np.add(known, self.power(doublings).dot(known), out=out[:, done : done + more])
+            done, doublings = done + more, doublings + 1
         return out
 
-    def horizon(self) -> int:
-        """Return the samples after which the slowest mode is gone."""
-        # a mode too slow for its eigenvalue to have a sign is followed as far as floats count
-        slowest = min(float(self.rates()[:, 0].max(initial=-inf)), -_SLOWEST)
-        return max(8, ceil(log(_QUIET) / slowest) + 4 * len(self.delta))
+    def rates(self) -> list[tuple[float, float]]:
+        """Return (-log |z|, |log z|) per sample of each own mode z, the fastest last."""
+        moved = np.linalg.eigvals(self.delta[: self.own, : self.own]).tolist()
+        return sorted((_rate(complex(z)) for z in moved), key=_turn)
 
-    def track(self) -> tuple[Indices, Array]:
-        """Return (k, Z(k)) from the step to the horizon.
+    def track(self) -> Track:
+        """Return the motion from its start until its slowest mode is gone.
 
-        Every sample while fast modes live, then as few as show the slow ones.
+        Every sample while fast modes live, then as few as show the slow ones. A mode too slow
+        for its eigenvalue to have a sign is followed as far as floats count.
         """
-        rates, end = self.rates(), self.horizon()
-        ks, zs, k, z, total = [], [], 0, self.start, 0
-        while k <= end and total < _MOST:
-            alive = rates[rates[:, 0] * k > -30.0, 1]  # exp(-30) of what it was is nothing
-            stride = int(
-                2.0 ** np.floor(np.log2(max(1.0, 0.05 / max(alive.max(initial=0.0), 1e-300))))
-            )
-            stride = min(stride, max(1, (end - k) // 64))
-            count = min(max(1, (end - k) // stride + 1), 4 * _BLOCK)
-            states = self.run(z, count + 1, stride)
-            ks.append(k + stride * np.arange(count))
-            zs.append(states[:-1])
-            k, z, total = k + stride * count, states[-1], total + count
-        return np.concatenate(ks), np.concatenate(zs)
+        rates = self.rates()
+        slowest = max(min((decay for decay, _ in rates), default=inf), _SLOWEST)
+        end = max(8, ceil(-log(QUIET) / slowest) + 4 * len(self.delta))
+        ks, zs, k, z, shown = [], [], 0, self.start, 0
+        while k <= end and shown < _MOST:
+            doublings, until = _pace(rates, k, end)
+            stride = 1 << doublings
+            count = min(-(-(until - k) // stride) + 1, _MOST - shown)
+            states = self.run(z, count + 1, doublings)
+            ks.append(np.arange(k, k + stride * count, stride))
+            zs.append(states[:, :-1])
+            k, z, shown = k + stride * count, states[:, -1], shown + count
+        return Track(
+            k=np.concatenate(ks),
+            states=np.concatenate(zs, axis=1),
+            rests=k > end or slowest * k > -log(STILL),
+        )
+
+
+def _rate(moved: complex) -> tuple[float, float]:
+    """Return (decay, size of the logarithm) of the mode z = 1 + moved."""
+    x, y = moved.real, moved.imag
+    size = x * (2 + x) + y * y  # |z|^2 - 1
+    if size <= -1:
+        return _AT_ONCE, _AT_ONCE
+    decay = -log1p(size) / 2
+    return decay, hypot(decay, atan2(y, 1 + x))
+
+
+def _turn(rate: tuple[float, float]) -> float:
+    return rate[1]
+
+
+def _pace(rates: list[tuple[float, float]], k: int, end: int) -> tuple[int, int]:
+    """Return (doublings of the stride from sample k on, the sample until which it is kept)."""
+    alive = [(decay, turn) for decay, turn in rates if decay * k <= _GONE]
+    fastest = alive[-1][1] if alive else 0.0
+    # one mode alone that does not swing has no crest, and a few samples show it
+    few = len(alive) == 1 and alive[0][0] == alive[0][1]
+    if few:
+        fastest = 0.0
+    most = max(1, (end - k) // (4 if few else 32))
+    doublings = min(int(_TURN / max(fastest, _TURN / most)).bit_length() - 1, 60)
+    if doublings < 0:
+        doublings = 0
+    over = [_GONE / decay for decay, turn in alive if decay > 0 and turn > _TURN / (4 << doublings)]
+    wanted = max(over, default=float(end))
+    return doublings, min(end, max(k + (1 << doublings), ceil(wanted) if wanted < end else end))

@@ -1,158 +1,135 @@
-"""A stretch of a held plant's output as a function of time, and its extremes.
+"""A polynomial on [0, 1] between bounds that cannot be wrong.
 
-Between two fractions of a sample the output is a short Taylor series; where the fastest mode
-turns too far for that, an exponential.
+Written in Bernstein's basis, a polynomial lies between its least and its largest coefficient,
+and changes its sign at most as often as they do. So where they do not, there is no crossing;
+where they do once, there is exactly one; otherwise the interval is halved.
+Source: G. Farin, Curves and Surfaces for CAGD, 5th ed., ch. 5 and 6 (convex hull, variation
+diminishing, de Casteljau's subdivision).
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from decimal import Decimal
+from collections.abc import Iterator
+from functools import lru_cache
+from itertools import pairwise
+from math import comb
 
 import numpy as np
 
-from zoh.analysis.crossings import bracketed
 from zoh.analysis.loop import Array
-from zoh.analysis.motion import Indices, Motion, Segment
-from zoh.sampling.between import Held
 
-_TERMS = 24  # of the Taylor series over half a radian: the last is below 1e-25 of the first
-_CHUNK = 65_536  # samples bounded at once
-WIDE = 0.6  # radians of the fastest mode beyond which the series is left for the exponential
+_CONVERGED = 1e-11  # of the interval: Newton's next step would be its square
+_NARROW = 2.0**-40  # of the interval: two crossings as near as that are a touch
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@lru_cache(maxsize=64)
+def bernstein(terms: int) -> Array:
+    """Return the matrix that takes ascending powers to Bernstein's coefficients.
+
+    >>> bernstein(3) @ [0.0, 0.0, 1.0]  # t^2 has 0, 0, 1
+    array([0., 0., 1.])
+    """
+    d = terms - 1
+    out = np.array([[comb(i, j) / comb(d, j) for j in range(terms)] for i in range(terms)])
+    out.flags.writeable = False
+    return out
+
+
 class Piece:
-    """The output over [t, t + span] samples: ``value`` and ``slope`` of the time after t."""
+    """A polynomial on [0, 1] in ascending powers ``a``, with its Bernstein coefficients ``b``."""
 
-    t: float
-    span: float
-    value: Callable[[float], float]
-    slope: Callable[[float], float]
+    __slots__ = ("a", "b")
 
+    def __init__(self, a: list[float], b: list[float]) -> None:
+        self.a, self.b = a, b
 
-def taylor_rows(held: Held | None) -> tuple[Array, Array]:
-    """Return (rows on the state, row on the input) of y's Taylor coefficients, (n, T) and (T,)."""
-    if held is None:
-        return np.zeros((0, _TERMS)), np.zeros(_TERMS)
-    row, rows, inputs = held.c, [held.c], [held.d]
-    for j in range(1, _TERMS):
-        inputs.append(row[-1] / j if len(row) else 0.0)
-        row = row @ held.a / j
-        rows.append(row)
-    return np.array(rows).T, np.array(inputs)
+    @classmethod
+    def of(cls, a: list[float]) -> "Piece":
+        """Return the polynomial of these ascending powers."""
+        return cls(a, bernstein(len(a)).dot(a).tolist())
 
-
-def series_piece(series: list[float], t: float, span: float) -> Piece:
-    """Return the piece of a Taylor series, ascending powers of the time after t."""
-    slope = [j * c for j, c in enumerate(series)][:0:-1]
-    return Piece(t=t, span=span, value=_horner(series[::-1]), slope=_horner(slope))
-
-
-def stiff_piece(held: Held, x: Array, u: float, t: float, span: float) -> Piece:
-    """Return a piece too long for the series: an exponential for every value asked."""
-
-    def state(s: float) -> Array:
-        delta, gamma = held.move(Decimal(s))
-        return np.asarray(x + delta @ x + gamma * u)
-
-    def slope(s: float) -> float:
-        rate = held.a @ state(s)
-        rate[-1] += u
-        return float(held.c @ rate)
-
-    return Piece(t=t, span=span, value=lambda s: float(held.c @ state(s) + held.d * u), slope=slope)
-
-
-def _horner(a: list[float]) -> Callable[[float], float]:
-    def at(s: float) -> float:
+    def at(self, t: float) -> float:
+        """Return the value at t."""
         total = 0.0
-        for c in a:
-            total = total * s + c
+        for c in reversed(self.a):
+            total = total * t + c
         return total
 
-    return at
+    def turned(self, sign: float) -> "Piece":
+        """Return sign times the polynomial."""
+        return self if sign > 0 else Piece([-c for c in self.a], [-c for c in self.b])
+
+    def slope(self) -> "Piece":
+        """Return the derivative; that of a constant is 0."""
+        d = len(self.a) - 1
+        if d == 0:
+            return Piece([0.0], [0.0])
+        a = [j * self.a[j] for j in range(1, d + 1)]
+        return Piece(a, [d * (q - p) for p, q in pairwise(self.b)])
+
+    def crossings(self, level: float) -> Iterator[float]:
+        """Yield where the polynomial crosses a level, in order.
+
+        >>> list(Piece.of([0.0, 0.0, 4.0]).crossings(1.0))
+        [0.5]
+        """
+        for low, high, rises in _brackets([c - level for c in self.b], 0.0, 1.0):
+            yield self._root(level, low, high, rises)
+
+    def highest(self) -> tuple[float, float]:
+        """Return (t, value) where the polynomial is largest on [0, 1].
+
+        >>> Piece.of([0.0, 1.0, -1.0]).highest()
+        (0.5, 0.25)
+        """
+        spots = [0.0, *self.slope().crossings(0.0), 1.0]
+        return max(((t, self.at(t)) for t in spots), key=lambda spot: spot[1])
+
+    def _root(self, level: float, low: float, high: float, rises: bool) -> float:
+        """Return the one crossing between two times, by Newton's steps kept in the bracket."""
+        f_low, f_high = self.at(low) - level, self.at(high) - level
+        part = f_low / (f_low - f_high) if f_low != f_high else 0.5
+        # inside: at an end that is a crossing, too, rounding decides the sign
+        t = low + min(max(part, 0.02), 0.98) * (high - low)
+        for _ in range(80):
+            value, slope = 0.0, 0.0
+            for c in reversed(self.a):
+                slope = slope * t + value
+                value = value * t + c
+            value -= level
+            if (value >= 0) == rises:
+                high = t
+            else:
+                low = t
+            step = value / slope if slope else high - low
+            if low <= t - step <= high:
+                t -= step
+                if abs(step) < _CONVERGED:
+                    break
+            else:
+                t = (low + high) / 2
+        return t
 
 
-def crest(piece: Piece, sign: float) -> float | None:
-    """Return when sign * y peaks inside the piece, None where it does not."""
-    if sign * piece.slope(0.0) > 0 > sign * piece.slope(piece.span):
-        return bracketed(piece.slope, 0.0, piece.span)
-    return None
+def _brackets(b: list[float], low: float, high: float) -> Iterator[tuple[float, float, bool]]:
+    """Yield, in order, (low, high, rises), intervals with exactly one change of sign."""
+    changes, below = 0, b[0] < 0
+    for c in b:
+        if (c < 0) != below:
+            below = not below
+            changes += 1
+    if changes == 1:
+        yield low, high, b[0] < 0
+    elif changes and high - low > _NARROW:
+        left, right = _halved(b)
+        middle = (low + high) / 2
+        yield from _brackets(left, low, middle)
+        yield from _brackets(right, middle, high)
 
 
-def enters(piece: Piece, sign: float, level: float) -> float | None:
-    """Return when sign * y first is ``level`` or more in the piece."""
-    if sign * piece.value(0.0) >= level:
-        return 0.0
-    top = crest(piece, sign)
-    for end in (top, piece.span):
-        if end is not None and sign * piece.value(end) >= level:
-            return bracketed(lambda s: sign * piece.value(s) - level, 0.0, end)
-    return None
-
-
-def exits(piece: Piece, sign: float, level: float) -> float | None:
-    """Return when sign * y last is above ``level`` in the piece."""
-    end = piece.span
-    if sign * piece.value(end) > level:
-        return end
-    top = crest(piece, sign)
-    for begin in (top, 0.0):
-        if begin is not None and sign * piece.value(begin) > level:
-            return bracketed(lambda s: sign * piece.value(s) - level, begin, end)
-    return None
-
-
-def bounds(motion: Motion, k: Indices, states: Array, y: Array) -> tuple[Array, Array]:
-    """Return (low, high), bounds of y between each sample and the next.
-
-    Where the next sample was left out, only the sample itself is known.
-    """
-    low, high = y.copy(), y.copy()
-    held = motion.held
-    if held is None:
-        return low, high
-    fine = np.flatnonzero(np.diff(k, append=k[-1] + 1) == 1)
-    for begin in range(0, len(fine), _CHUNK):
-        rows = fine[begin : begin + _CHUNK]
-        for segment in motion.segments:
-            value, slope = _maps(held, segment)
-            v, s, h = states[rows] @ value.T, states[rows] @ slope.T, np.diff(segment.times)
-            for sign, bound in ((1.0, high), (-1.0, low)):
-                top, rate = sign * v, sign * s
-                best = np.maximum(top[:, 1:], _crests(top, rate, h, held.fastest)).max(axis=1)
-                best = np.maximum(best, top[:, 0])
-                bound[rows] = sign * np.maximum(sign * bound[rows], best)
-    return low, high
-
-
-def _crests(y: Array, rate: Array, h: Array, fastest: float) -> Array:
-    """Return bounds of the crests between neighbouring columns, -inf where there is none.
-
-    A crest lies below both tangents. Over half a radian of the fastest mode the cubic through
-    both values and slopes is nearer: it misses a few parts in a hundred of the crest's height
-    above its ends, and a tenth is added.
-    """
-    y0, y1, s0, s1 = y[:, :-1], y[:, 1:], rate[:, :-1], rate[:, 1:]
-    turns = (s0 > 0) & (s1 < 0)
-    tangents = np.maximum(y0 + s0 * h, y1 - s1 * h)
-    part = np.where(turns, s0, 0.0) / np.where(turns, s0 - s1, 1.0)
-    rest = 1 - part
-    cubic = (
-        (1 + 2 * part) * rest**2 * y0
-        + part * rest**2 * h * s0
-        + part**2 * (3 - 2 * part) * y1
-        - part**2 * rest * h * s1
-    )
-    ends = np.maximum(y0, y1)
-    near = np.where(fastest * h > WIDE, tangents, ends + 1.1 * np.maximum(cubic - ends, 0.0))
-    return np.where(turns, np.minimum(near, tangents), -np.inf)
-
-
-def _maps(held: Held, segment: Segment) -> tuple[Array, Array]:
-    """Return the output and its slope at the segment's times, as rows on Z: two (K, N)."""
-    value = held.c @ segment.states + held.d * segment.input
-    slope = (held.c @ held.a) @ segment.states
-    if len(held.c):
-        slope = slope + held.c[-1] * segment.input
-    return value, slope
+def _halved(b: list[float]) -> tuple[list[float], list[float]]:
+    """Return the Bernstein coefficients on both halves of the interval."""
+    left, right = [], []
+    while b:
+        left.append(b[0])
+        right.append(b[-1])
+        b = [(p + q) / 2 for p, q in pairwise(b)]
+    return left, right[::-1]

@@ -1,61 +1,50 @@
 """A sampled system as states that move by small steps.
 
-x(k+1) = x(k) + delta x(k) + b e(k), u = c x + d e: with delta instead of delta + I a small dt
-costs no digits.
-Source: the state space of the bilinear transformation, K. J. Astrom and B. Wittenmark,
-Computer-Controlled Systems, 3rd ed., ch. 8 (Tustin's approximation).
+With delta = z - 1 a pole near z = 1 is a small number, kept to its last digit, and a small dt
+costs nothing. A pole at z = -1 is no special case.
+Source: R. H. Middleton and G. C. Goodwin, Digital Control and Estimation: A Unified Approach
+(the delta operator).
 """
 
 from collections.abc import Sequence
+from math import comb
 
-import numpy as np
-
-from zoh.analysis.loop import Array
-from zoh.lti import poly
 from zoh.lti.systems import Sampled
 
 
-def realised(system: Sampled) -> tuple[Array, Array, Array, float]:
-    """Return (delta, b, c, d) with x(k+1) = x(k) + delta x(k) + b e(k), u = c x + d e.
+def realised(system: Sampled) -> tuple[list[float], list[float], float]:
+    """Return (a, c, d), the system without its delay as a chain of sums.
 
-    From the w-form: with w = (2/dt)(z-1)/(z+1), (A, B, C, D) in w gives, h = dt/2 and
-    M = (I - h A)^-1, the matrices 2 h M A, 2 h M B, C M, D + h C M B. A pole at z = -1 has no
-    w-form: there the z-form serves. The delay is not in it.
+    x_0(k+1) = x_0(k) - a x(k) + e(k), x_i(k+1) = x_i(k) + x_{i-1}(k), u = c x + d e.
+
+    >>> realised(Sampled(num=[0.5], den=[1, -0.5], dt=1.0))
+    ([0.5], [0.5], 0.0)
     """
-    if system.den_w[0] == 0:
-        a, b, c, d = _companion(
-            _without_delay(system.num, system), _without_delay(system.den, system)
-        )
-        return a - np.eye(len(c)), b, c, d
-    h = system.dt / 2
-    n = len(system.den_w) - 1
-    scale = _scale(system.den_w)
-    num = [x * scale ** (k - n) for k, x in zip(range(n, -1, -1), system.num_w, strict=True)]
-    den = [x * scale ** (k - n) for k, x in zip(range(n, -1, -1), system.den_w, strict=True)]
-    a, b, c, d = _companion(num, den)
-    a, b = a * scale, b * scale
-    m = np.linalg.inv(np.eye(n) - h * a) if n else a
-    return 2 * h * m @ a, 2 * h * m @ b, c @ m, d + h * float(c @ m @ b)
+    parts = [c.as_integer_ratio() for c in (*system.num_w, *system.den_w)]
+    unit = max(bottom for _, bottom in parts)
+    whole = [top * (unit // bottom) for top, bottom in parts]  # what they have in common cancels
+    n = len(system.den_w)
+    half = (system.dt / 2).as_integer_ratio()
+    num, den = _in_delta(whole[:n], half), _in_delta(whole[n:], half)
+    for i in range(n - len(system.num)):
+        num[i] = 0  # what z says is nothing is not the rounding of w
+    first, lead = num[0], den[0]
+    # a quotient of whole numbers is rounded once
+    a = [x / lead for x in den[1:]]
+    c = [(x * lead - first * y) / (lead * lead) for x, y in zip(num[1:], den[1:], strict=True)]
+    return a, c, first / lead
 
 
-def _scale(den: Sequence[float]) -> float:
-    """Return the typical size of the roots, by which the companion form is balanced."""
-    sizes = np.abs(poly.roots(den))
-    sizes = sizes[sizes > 0]
-    return float(np.exp(np.log(sizes).mean())) if sizes.size else 1.0
+def _in_delta(a_w: Sequence[int], half: tuple[int, int]) -> list[int]:
+    """Return h^n (2 + delta)^n a(w) in delta, descending, w = delta/(h (2 + delta)), h = dt/2.
 
-
-def _companion(num: Sequence[float], den: Sequence[float]) -> tuple[Array, Array, Array, float]:
-    n = len(den) - 1
-    monic = np.array(den[1:]) / den[0]
-    top = np.array(poly.padded(num, n + 1)) / den[0]
-    a = np.eye(n, k=-1)
-    if n:
-        a[0] = -monic
-    return a, np.eye(n, 1).ravel(), top[1:] - top[0] * monic, float(top[0])
-
-
-def _without_delay(a: Sequence[float], system: Sampled) -> Sequence[float]:
-    if a is system.den and system.delay:
-        return a[: -system.delay]
-    return a
+    Times the denominator of h to the n, so that all is whole and nothing is rounded.
+    """
+    n, (p, q) = len(a_w) - 1, half
+    out = [0] * (n + 1)
+    for j, c in enumerate(a_w):  # c w^(n-j) becomes c h^j delta^(n-j) (2 + delta)^j
+        if c:
+            scaled = c * p**j * q ** (n - j)
+            for i in range(j + 1):
+                out[j - i] += scaled * (comb(j, i) << (j - i))
+    return out

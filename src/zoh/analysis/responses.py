@@ -12,24 +12,27 @@ from math import inf, sqrt
 
 import numpy as np
 
+from zoh.analysis import queue
 from zoh.analysis.closed import Excitation, closed_loop
+from zoh.analysis.curves import Trace, trace_of
 from zoh.analysis.loop import Array, Loop
 from zoh.analysis.motion import Motion
 from zoh.analysis.stability import closed_loop_stable
-from zoh.analysis.step import Trace, trace_of
 from zoh.analysis.waveform import Waveform
 from zoh.errors import SpecError
 from zoh.lti.systems import Plant, Sampled
 from zoh.sampling.hold import sample
 
 BAND = 0.02
+_NOTHING = 1e-10  # what stands out by less does not
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Response:
     """One output under one excitation of size 1, between the samples too.
 
-    peak, peak_time  its largest size and when in s; for a ramp the output is the error r - y
+    peak, peak_time  its largest size and when in s, None where it is only approached; for a ramp
+                     the output is the error, time minus y
     final_value      what it comes to; inf where it grows without end
     settling_time    s, from which on it stays within 2 % of the peak around the final value;
                      None where it does not by the horizon
@@ -39,7 +42,7 @@ class Response:
 
     excitation: Excitation
     peak: float
-    peak_time: float
+    peak_time: float | None
     final_value: float
     settling_time: float | None
     peak_effort: float
@@ -61,31 +64,31 @@ def response(
     _check_stable(plant, controller, compute_delay)
     motion = closed_loop(plant, controller, compute_delay, by)
     final, effort_at_rest = _at_rest(plant, controller, by)
+    if final == inf:
+        return Response(
+            excitation=by, peak=inf, peak_time=inf, final_value=inf, settling_time=None,
+            peak_effort=inf, horizon=inf,
+        )  # fmt: skip
     if by == "ramp":
         motion = _error(motion)
-        if final == inf:
-            return Response(
-                excitation=by, peak=inf, peak_time=inf, final_value=inf, settling_time=None,
-                peak_effort=inf, horizon=inf,
-            )  # fmt: skip
-    track = motion.track()
-    wave = Waveform.of(motion, motion.output, track, final)
-    up, down = wave.furthest(1.0, between=True), wave.furthest(-1.0, between=True)
-    t, peak = max(up, down, key=lambda found: found[1])
-    effort = abs(effort_at_rest)
-    if motion.effort is not None and effort < inf:
-        asked = Waveform.of(replace(motion, held=None), motion.effort, track, effort_at_rest)
-        effort = max(effort, float(np.abs(asked.y).max()))
-    settled = wave.last_outside(final, BAND * max(peak, abs(final)), between=True)
+    limit = effort_at_rest if abs(effort_at_rest) < inf else None
+    track = queue.track(motion, (final, limit)) if motion.wait else motion.track()
+    wave = Waveform.of(motion, track, final)
+    t, peak = max(wave.highest_between(1.0), wave.highest_between(-1.0), key=_second)
+    settled = wave.settles_between(final, BAND * max(peak, abs(final)))
     return Response(
         excitation=by,
         peak=max(peak, abs(final)),
-        peak_time=t,
+        peak_time=t if peak > abs(final) * (1 + _NOTHING) else None,
         final_value=final,
-        settling_time=settled,
-        peak_effort=effort,
-        horizon=float(track[0][-1]) * motion.dt,
+        settling_time=settled if track.rests else None,
+        peak_effort=inf if limit is None else max(abs(limit), float(np.abs(wave.u).max())),
+        horizon=float(track.k[-1]) * motion.dt,
     )
+
+
+def _second(spot: tuple[float, float]) -> float:
+    return spot[1]
 
 
 def response_trace(
@@ -111,8 +114,20 @@ def noise_gains(
     """
     _check_stable(plant, controller, compute_delay)
     motion = closed_loop(plant, controller, compute_delay, "impulse")
-    squares = _sum_of_squares(motion)
     effort = motion.output * 0 if motion.effort is None else motion.effort
+    if motion.wait:
+        track = queue.track(motion, (0.0, 0.0))
+        if not track.rests:
+            raise SpecError(
+                "controller",
+                "must bring a loop with so long a delay to rest in a million samples",
+                f"{float(track.k[-1]) * motion.dt:.4g} s",
+                "sample more slowly",
+            )
+        rows = np.stack([motion.output, effort]) @ track.states
+        output, effort_size = np.sqrt((rows * rows).sum(axis=1)).tolist()
+        return output, effort_size
+    squares = _sum_of_squares(motion)
     return (
         sqrt(max(0.0, float(motion.output @ squares @ motion.output))),
         sqrt(max(0.0, float(effort @ squares @ effort))),
@@ -123,21 +138,27 @@ def _sum_of_squares(motion: Motion) -> Array:
     """Return sum over k of Z(k) Z(k)', by doubling the number of terms."""
     start = motion.start.copy()
     start[-1] = 0.0  # the constant is no part of an impulse's answer
-    total, step = np.outer(start, start), motion.delta
-    for _ in range(200):
+    total, doublings = np.outer(start, start), 0
+    while True:
+        step = motion.power(doublings)
         moved = total + step @ total
         added = moved + moved @ step.T
-        if np.abs(added).max() <= 1e-17 * np.abs(total).max():
-            break
-        total, step = total + added, 2 * step + step @ step
-    return total
+        if np.abs(added).max() <= 1e-17 * np.abs(total).max() or doublings > 200:
+            return total
+        total, doublings = total + added, doublings + 1
 
 
 def _error(motion: Motion) -> Motion:
-    """Return the motion whose output is the error, which is there at the samples only."""
-    signal = np.zeros_like(motion.output)
-    signal[-2] = 1.0
-    return replace(motion, output=signal - motion.output, held=None, segments=())
+    """Return the motion whose output is the error under a ramp, time minus y, at all times."""
+    unit = np.eye(len(motion.start))
+    r, one = unit[-2], unit[-1]
+    stretches = []
+    for part in motion.stretches:
+        rows = np.concatenate([-part.rows, np.zeros((max(0, 2 - len(part.rows)), len(r)))])
+        rows[0] += r + part.begin * motion.dt * one
+        rows[1] += part.span * motion.dt * one
+        stretches.append(replace(part, rows=rows))
+    return replace(motion, output=r - motion.output, stretches=stretches)
 
 
 def _check_stable(plant: Plant, controller: Sampled, compute_delay: float) -> None:

@@ -133,6 +133,7 @@ class Margins:
 class StepInfo:
     """The response to a reference step, in the units of the reference.
 
+    stable              whether it comes to rest at all; where not, nothing else exists
     overshoot_pct       % of the final value beyond it
     undershoot_pct      % of the final value on the other side of the start
     rise_time           s, from first reaching 10 % to first reaching 90 % of the final value
@@ -141,31 +142,56 @@ class StepInfo:
                         that is 0), and when in s
     final_value         what it settles to
     steady_state_error  reference minus final value
+    horizon             s, to which it was followed: until its slowest mode has fallen to 1e-8,
+                        or as far as a million samples that matter go
     between_samples     the same, exactly, between the samples too; None where that is not known
     peak_effort         the largest |u| asked of the actuator, in input units; None for a bare T
-
+    peak_effort_time    s, when that is; None where it is only approached
     effort_range        the least and the largest u; None for a bare T
 
-    A percentage of a final value of 0, and a time that does not exist, are None: a response that
-    creeps up to its final value has no peak time, one that does not come to rest within the time
-    it was followed (to 1e-8 of its slowest mode, or 400 000 samples that matter) no settling time.
+    What does not exist is None: a percentage of a final value of 0; the peak time of a response
+    that creeps up to its final value; the settling time of one that has not come to rest by the
+    horizon.
     """
 
-    overshoot_pct: float | None
-    undershoot_pct: float | None
-    rise_time: float | None
-    settling_time: float | None
-    peak: float
-    peak_time: float | None
-    final_value: float
-    steady_state_error: float
+    stable: bool = True
+    overshoot_pct: float | None = None
+    undershoot_pct: float | None = None
+    rise_time: float | None = None
+    settling_time: float | None = None
+    peak: float | None = None
+    peak_time: float | None = None
+    final_value: float | None = None
+    steady_state_error: float | None = None
+    horizon: float | None = None
     between_samples: "StepInfo | None" = None
     peak_effort: float | None = None
+    peak_effort_time: float | None = None
     effort_range: tuple[float, float] | None = None
+
+    @property
+    def settling(self) -> str:
+        """The settling time in words, also where there is none.
+
+        >>> StepInfo(settling_time=1.5).settling
+        '1.5 s'
+        >>> StepInfo(final_value=1.0, horizon=40.0).settling
+        'not at rest by 40 s'
+        >>> StepInfo(stable=False).settling
+        'unstable'
+        """
+        if not self.stable:
+            return "unstable"
+        if self.settling_time is not None:
+            return f"{self.settling_time:.4g} s"
+        if not self.final_value:
+            return "settles to 0"
+        return f"not at rest by {self.horizon:.4g} s"
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON form."""
         out: dict[str, Any] = {
+            "stable": self.stable,
             "overshoot_pct": self.overshoot_pct,
             "undershoot_pct": self.undershoot_pct,
             "rise_time": self.rise_time,
@@ -174,11 +200,13 @@ class StepInfo:
             "peak_time": self.peak_time,
             "final_value": self.final_value,
             "steady_state_error": self.steady_state_error,
+            "horizon": self.horizon,
         }
         if self.between_samples is not None:
             out["between_samples"] = self.between_samples.to_dict()
         if self.peak_effort is not None:
             out["peak_effort"] = self.peak_effort
+            out["peak_effort_time"] = self.peak_effort_time
         if self.effort_range is not None:
             out["effort_range"] = list(self.effort_range)
         return out

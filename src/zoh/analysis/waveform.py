@@ -1,169 +1,152 @@
 """One output of a motion as a function of time, with its true extremes and crossings.
 
 The motion is known at a list of samples; where few are kept because nothing fast is left, the
-stretches that matter are filled in again. Inside a sample the output and its slope are known at
-fixed fractions, and between two of those it is a short Taylor series of the held plant.
+stretches that matter are filled in again. Inside a sample the output is one or more polynomials
+whose Bernstein coefficients bound it, so that only samples that can hold an extreme or a crossing
+are looked into, and none that can is left out.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from zoh.analysis.filling import filled, wanted
 from zoh.analysis.loop import Array
-from zoh.analysis.motion import Indices, Motion
-from zoh.analysis.pieces import (
-    WIDE,
-    Piece,
-    bounds,
-    crest,
-    enters,
-    exits,
-    series_piece,
-    stiff_piece,
-    taylor_rows,
-)
+from zoh.analysis.motion import Indices, Motion, Track
+from zoh.analysis.pieces import Piece, bernstein
 
-_CRESTS = 200  # the first ones and the likeliest ones that are followed to their top
+_ROUNDING = 1e-14  # of the largest output: what exceeds by less does not exceed
+_CELLS = 4_000_000  # numbers bounded at once
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Waveform:
-    """y along a motion.
+    """y along a motion, and the effort u with it.
 
-    k, states  the samples at which the state is known, shape (K,) and (K, N)
-    y          the output there, shape (K,)
+    k, states  the samples at which the state is known, shape (K,), and it, shape (N, K)
+    y, u       the output and the effort there, shape (K,)
     low, high  bounds of the output from each sample to the next, shape (K,)
-    taylor     the output's series inside a sample, as rows on the plant's state and input
+    rounding   what is too small to count
     """
 
     motion: Motion
     k: Indices
     states: Array
     y: Array
+    u: Array
     low: Array
     high: Array
-    taylor: tuple[Array, Array]
+    rounding: float
 
     @classmethod
-    def of(
-        cls, motion: Motion, row: Array, track: tuple[Indices, Array], final: float
-    ) -> "Waveform":
-        """Return ``row`` times the state along a track, filled in where its metrics need it."""
-        k, states = track
-        while wanted := _stretches(k, states @ row, final):
-            k, states = _filled(motion, k, states, wanted)
-        y = states @ row
-        low, high = bounds(motion, k, states, y)
-        taylor = taylor_rows(motion.held)
-        return cls(motion=motion, k=k, states=states, y=y, low=low, high=high, taylor=taylor)
+    def of(cls, motion: Motion, track: Track, final: float) -> "Waveform":
+        """Return the output along a track, filled in where its metrics need it."""
+        effort = np.zeros_like(motion.output) if motion.effort is None else motion.effort
+        both = np.array([motion.output, effort])
+        seen = both.dot(track.states)
+        while rows := wanted(track.k, seen, final):
+            track = filled(motion, track, rows)
+            seen = both.dot(track.states)
+        low, high = bounds(motion, track.states, seen[0])
+        scale = max(float(high.max()), -float(low.min()))
+        return cls(
+            motion=motion, k=track.k, states=track.states, y=seen[0], u=seen[1],
+            low=low, high=high, rounding=_ROUNDING * scale,
+        )  # fmt: skip
 
-    def furthest(self, sign: float, *, between: bool) -> tuple[float, float]:
-        """Return (time in s, sign * y) where sign * y is largest."""
-        i = int(np.argmax(sign * self.y))
-        best = float(self.k[i]), float(sign * self.y[i])
-        if between:
-            bound = self.high if sign > 0 else -self.low
-            rows = np.flatnonzero(bound > best[1])
-            by_bound = rows[np.argsort(-bound[rows])][:_CRESTS]
-            for i in np.unique(np.concatenate([rows[:_CRESTS], by_bound])):
-                if bound[i] <= best[1]:
-                    continue
-                for piece in self._pieces(int(i)):
-                    for t in (0.0, piece.span, crest(piece, sign)):
-                        if t is not None and sign * piece.value(t) > best[1]:
-                            best = piece.t + t, sign * piece.value(t)
+    def highest(self, sign: float) -> tuple[float, float]:
+        """Return (time in s, sign * y) where that is largest at the samples."""
+        i = int(self.y.argmax() if sign > 0 else self.y.argmin())
+        return float(self.k[i]) * self.motion.dt, sign * float(self.y[i])
+
+    def highest_between(self, sign: float) -> tuple[float, float]:
+        """Return (time in s, sign * y) where that is largest at all times."""
+        bound = self._bound(sign)
+        i = int(self.y.argmax() if sign > 0 else self.y.argmin())
+        best = float(self.k[i]), sign * float(self.y[i])
+        rows = (bound > best[1] + self.rounding).nonzero()[0]
+        if len(rows) > 1:
+            rows = rows[(-bound[rows]).argsort(kind="stable")]
+        for i in rows.tolist():
+            if bound[i] <= best[1] + self.rounding:
+                break
+            for begin, span, piece in self._pieces(i, sign):
+                t, value = piece.highest()
+                if value > best[1]:
+                    best = float(self.k[i]) + begin + span * t, value
         return best[0] * self.motion.dt, best[1]
 
-    def first_reaches(self, sign: float, level: float, *, between: bool) -> float | None:
-        """Return the first time in s at which sign * y is ``level`` or more; None if never."""
-        reached = np.flatnonzero(sign * self.y >= level)
-        at_sample = int(reached[0]) if reached.size else len(self.k)
-        if between:
-            bound = self.high if sign > 0 else -self.low
-            for i in np.flatnonzero(bound[:at_sample] >= level):
-                for piece in self._pieces(int(i)):
-                    found = enters(piece, sign, level)
-                    if found is not None:
-                        return (piece.t + found) * self.motion.dt
-        return float(self.k[at_sample]) * self.motion.dt if reached.size else None
+    def reaches(self, level: float, sign: float) -> float | None:
+        """Return the first sample's time in s at which sign * y >= level; None if never."""
+        reached = self.y >= level if sign > 0 else self.y <= -level
+        i = int(reached.argmax())
+        return float(self.k[i]) * self.motion.dt if reached[i] else None
 
-    def last_outside(self, final: float, band: float, *, between: bool) -> float | None:
-        """Return the time in s from which on |y - final| <= band; None if not by the horizon."""
-        outside = np.flatnonzero(np.abs(self.y - final) > band)
-        first_in = int(outside[-1]) + 1 if outside.size else 0
-        if first_in >= len(self.k):
-            return None
-        if between:
-            off = np.maximum(self.high - final, final - self.low)
-            for i in np.flatnonzero(off > band)[::-1]:
-                last = self._leaves(final, band, int(i))
-                if last is not None:
-                    return last * self.motion.dt
-        return float(self.k[first_in]) * self.motion.dt
-
-    def _leaves(self, final: float, band: float, row: int) -> float | None:
-        """Return the last instant of the row's sample outside the band, in samples."""
-        for piece in reversed(self._pieces(row)):
-            ends = [exits(piece, sign, sign * final + band) for sign in (1.0, -1.0)]
-            found = [t for t in ends if t is not None]
-            if found:
-                return piece.t + max(found)
+    def reaches_between(self, level: float, sign: float) -> float | None:
+        """Return the first instant in s at which sign * y >= level; None if never."""
+        can = self._bound(sign) >= level
+        i = int(can.argmax())
+        while can[i]:
+            if sign * self.y[i] >= level:
+                return float(self.k[i]) * self.motion.dt
+            for begin, span, piece in self._pieces(i, sign):
+                t = 0.0 if piece.a[0] >= level else next(piece.crossings(level), None)
+                if t is not None:
+                    return (float(self.k[i]) + begin + span * t) * self.motion.dt
+            can[i] = False
+            i = int(can.argmax())
         return None
 
-    def _pieces(self, i: int) -> list[Piece]:
-        """Return the pieces of row i's sample in order of time; none where it is not known."""
-        held = self.motion.held
-        if held is None or (i + 1 < len(self.k) and self.k[i + 1] != self.k[i] + 1):
-            return []
-        pieces = []
-        for segment in self.motion.segments:
-            u = float(segment.input @ self.states[i])
-            x = segment.states[:-1] @ self.states[i]
-            series = x @ self.taylor[0] + u * self.taylor[1]
-            begins = float(self.k[i]) + segment.start + segment.times
-            for j, h in enumerate(np.diff(segment.times).tolist()):
-                if held.fastest * h > WIDE:
-                    pieces.append(stiff_piece(held, x[j], u, float(begins[j]), h))
-                else:
-                    pieces.append(series_piece(series[j].tolist(), float(begins[j]), h))
-        return pieces
+    def settles(self, final: float, band: float) -> float | None:
+        """Return the first sample's time in s from which on |y - final| <= band at the samples."""
+        outside = (np.abs(self.y - final) > band).nonzero()[0]
+        first_in = int(outside[-1]) + 1 if len(outside) else 0
+        return float(self.k[first_in]) * self.motion.dt if first_in < len(self.k) else None
+
+    def settles_between(self, final: float, band: float) -> float | None:
+        """Return the instant in s from which on |y - final| <= band; None if not by the horizon."""
+        outside = ((self.high > final + band) | (self.low < final - band)).nonzero()[0]
+        for i in outside[::-1].tolist():
+            for begin, span, piece in reversed(self._pieces(i, 1.0)):
+                left = _last_outside(piece, final, band)
+                if left is not None:
+                    if left == 1.0 and i + 1 == len(self.k):
+                        return None
+                    return (float(self.k[i]) + begin + span * left) * self.motion.dt
+        return 0.0
+
+    def _bound(self, sign: float) -> Array:
+        """Return the upper bound of sign * y from each sample to the next."""
+        return self.high if sign > 0 else -self.low
+
+    def _pieces(self, i: int, sign: float) -> list[tuple[float, float, Piece]]:
+        """Return (begin, span, polynomial) of the stretches of row i's sample, times ``sign``."""
+        out = []
+        for part in self.motion.stretches:
+            a = part.rows.dot(self.states[:, i]).tolist()
+            out.append((part.begin, part.span, Piece.of(a).turned(sign)))
+        return out
 
 
-def _stretches(k: Indices, y: Array, final: float) -> list[int]:
-    """Return the rows before which samples were left out that a metric may need."""
-    coarse = np.flatnonzero(np.diff(k) > 1)
-    if not coarse.size:
-        return []
-    off = np.abs(y - final)
-    size = abs(final)
-    marks = {int(np.argmax(y)), int(np.argmin(y))}
-    for level in (0.1, 0.9):
-        reached = np.flatnonzero(np.sign(final) * y >= level * size)
-        marks.add(int(reached[0]) if reached.size else 0)
-    outside = np.flatnonzero(off > 0.02 * size)
-    after = int(outside[-1]) if outside.size else 0
-    marks.add(after)
-    near = np.flatnonzero((off > 0.019 * size) & (off <= 0.02 * size))
-    marks |= {int(i) for i in near[near >= after][:200]}
-    wanted = {j for i in marks for j in (i - 1, i) if j >= 0}
-    return sorted(wanted & set(coarse.tolist()))
+def _last_outside(piece: Piece, final: float, band: float) -> float | None:
+    """Return the last time at which the polynomial is outside the band, None where it never is."""
+    end = sum(piece.a)
+    if abs(end - final) > band:
+        return 1.0
+    leaves = [t for edge in (final + band, final - band) for t in piece.crossings(edge)]
+    return max(leaves, default=0.0 if abs(piece.a[0] - final) > band else None)
 
 
-def _filled(motion: Motion, k: Indices, states: Array, rows: list[int]) -> tuple[Indices, Array]:
-    """Return (k, states) with up to 64 samples more after each of these rows.
-
-    What is left in a wide stretch is slow, so a few points show where in it to look next.
-    """
-    ks, zs, at = [], [], 0
-    for i in rows:
-        ks.append(k[at : i + 1])
-        zs.append(states[at : i + 1])
-        gap = int(k[i + 1] - k[i])
-        stride = max(1, gap // 64)
-        count = -(-gap // stride)  # rounded up, so that the row itself and these fill the gap
-        ks.append(k[i] + stride * np.arange(1, count))
-        zs.append(motion.run(states[i], count, stride)[1:])
-        at = i + 1
-    ks.append(k[at:])
-    zs.append(states[at:])
-    return np.concatenate(ks), np.concatenate(zs)
+def bounds(motion: Motion, states: Array, y: Array) -> tuple[Array, Array]:
+    """Return (low, high), bounds of the output between each sample and the next."""
+    rows = [bernstein(len(part.rows)).dot(part.rows) for part in motion.stretches]
+    if not rows:
+        return y, y
+    every = rows[0] if len(rows) == 1 else np.concatenate(rows)
+    low, high = np.empty_like(y), np.empty_like(y)
+    wide = max(1, _CELLS // len(every))
+    for begin in range(0, len(y), wide):
+        values = every.dot(states[:, begin : begin + wide])
+        values.min(axis=0, out=low[begin : begin + wide])
+        values.max(axis=0, out=high[begin : begin + wide])
+    return np.minimum(low, y), np.maximum(high, y)

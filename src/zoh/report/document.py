@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from matplotlib.figure import Figure
 
-from zoh.analysis.step import trace
+from zoh.analysis.curves import trace
 from zoh.analysis.verify import Measured
 from zoh.errors import ZohError
 from zoh.report import figures as fig

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from zoh.analysis.step import Trace
+from zoh.analysis.curves import Trace
 from zoh.analysis.verify import Measured
 from zoh.report import canvas
 from zoh.report.bode import bode, both_scales, compare, margin_title

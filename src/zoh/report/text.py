@@ -102,6 +102,13 @@ def _output_effort(d: Measured) -> Mapping[str, str]:
     return {"effort, r in output units": number(scaled, 3)}
 
 
+def _settling(s: StepInfo | None) -> str:
+    """Return the settling time, or why there is none."""
+    if s is None or s.settling_time is not None or not s.final_value:
+        return number(s.settling_time if s else None, 3)
+    return s.settling
+
+
 def facts(d: Measured) -> Mapping[str, str]:
     """Return every row of the comparison for one design."""
     m, s = d.margins, d.step
@@ -121,7 +128,7 @@ def facts(d: Measured) -> Mapping[str, str]:
         "overshoot at the samples, %": number(s.overshoot_pct if s else None, 3),
         "overshoot between them, %": number(between.overshoot_pct if between else None, 3),
         "rise time, s": number(s.rise_time if s else None, 3),
-        "settling time, s": number(s.settling_time if s else None, 3),
+        "settling time, s": _settling(s),
         "steady-state error": number(s.steady_state_error if s else None, 3),
         "peak effort": number(s.peak_effort if s else None, 3),
         **_output_effort(d),

@@ -5,11 +5,16 @@ The state is that of the controllable canonical form in units of the sample time
 
     x(t) = x + (Phi(t) - I) x + Gamma(t) u,    y = c x + d u
 
-Phi - I is given, not Phi: at a small dt the difference is what counts.
+Phi - I is given, not Phi: at a small dt the difference is what counts. Modulo sigma den(sigma),
+sigma = s dt, both are one polynomial, exp(sigma t) (see ``ring``). Where the fastest mode turns
+by little in a sample every sum on the way is led by its first term, and floats serve; elsewhere
+digits do.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
+from math import factorial, log10
 
 import numpy as np
 import numpy.typing as npt
@@ -20,63 +25,177 @@ from zoh.sampling.ring import StepResponse, digits_needed
 
 Array = npt.NDArray[np.float64]
 
+GENTLE = 0.5  # rad that the fastest mode turns at most where floats serve
+SPAN = 2.0  # rad that a live mode turns at most in a stretch with one Taylor series
+MOST_STRETCHES = 2000  # in a sample; a resonance that swings more often is not followed
+_MOST_TERMS = 27  # of a series over SPAN, beside one for each state
+_TERM = 1e-17  # of the first: a term that is not added any more
+_DEAD = 40.0  # a mode at exp(-40) is gone
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Held:
-    """A plant (sensor included, dead time not) whose input is held.
+    """A plant (sensor included, dead time not) whose input is held for dt at a time.
 
-    a  shape (n, n), dx/dt in units of the sample time; input enters the last state with gain 1
-    c  shape (n,); d  direct gain
-    fastest  size of the fastest pole in rad per sample
+    low   shape (n,): the monic denominator in sigma, ascending, its leading 1 left out
+    c     shape (n,): the output's row on the state;  d  direct gain
+    size  bound of the size of the poles, in rad per sample
     """
 
-    a: Array
-    c: Array
+    plant: Plant
+    dt: float
+    low: tuple[float, ...]
+    c: tuple[float, ...]
     d: float
-    fastest: float
-    response: StepResponse
-    digits: int
+    size: float
 
     @classmethod
     def of(cls, plant: Plant, dt: float) -> "Held":
         """Return the plant with time counted in units of dt seconds."""
-        num, den = plant.exact
-        needed = digits_needed(num, den, dt)
-        with digits.precision(needed):
-            response = StepResponse.of(num, den, Decimal(plant.sensor), Decimal(dt))
-            n = response.order
-            den_ascending = response.modulus[1:]  # s den(s) without its lowest, which is 0
-            top = [Decimal(0)] * (n + 1 - len(num)) + list(num)
-            gain, unit = Decimal(plant.sensor) / den[0], Decimal(dt)
-            scaled = [gain * c * unit**i for i, c in enumerate(top)]
-            d = scaled[0]
-            c = [b - d * a for a, b in zip(den_ascending, scaled[:0:-1], strict=True)]
-        a = np.eye(n, k=1)
-        if n:
-            a[-1] = [-float(x) for x in den_ascending]
-        return cls(
-            a=a,
-            c=np.array([float(x) for x in c]),
-            d=float(d),
-            fastest=float(np.abs(plant.poles()).max(initial=0.0)) * dt,
-            response=response,
-            digits=needed,
-        )
+        low, c, d = _scaled(plant, dt)
+        n = len(low)
+        sizes = sorted(abs(a) ** (1 / (n - i)) for i, a in enumerate(low))
+        # Lagrange's bound of the roots: the two largest together
+        return cls(plant=plant, dt=dt, low=low, c=c, d=d, size=sum(sizes[-2:]))
 
     def move(self, t: float | Decimal) -> tuple[Array, Array]:
-        """Return (Phi(t) - I, Gamma(t)) for a fraction t of a sample, each entry to a float."""
-        n = self.response.order
-        delta, gamma = np.zeros((n, n)), np.zeros(n)
-        if not n or not t:
-            return delta, gamma
-        with digits.precision(self.digits):
-            element = self.response.exponential(Decimal(t))
-            for i in range(n):
-                top = element[n]
-                gamma[i] = float(top)
-                lower = self.response.modulus[1:]
-                row = [e - top * m for e, m in zip(element[:n], lower, strict=True)]
-                row[i] -= 1
-                delta[i] = [float(e) for e in row]
-                element = self.response.times_sigma(element)
-        return delta, gamma
+        """Return (Phi(t) - I, Gamma(t)) for a fraction t of a sample, shapes (n, n) and (n,)."""
+        n = len(self.low)
+        if self.size * float(t) > GENTLE:
+            response, precision = self._exact(float(t))
+            with digits.precision(precision):
+                exact = response.exponential(Decimal(t))
+                exact[0] -= 1
+                return _split(_derivatives(response, exact, n), response.modulus[1:])
+        if not n:
+            return np.zeros((0, 0)), np.zeros(0)
+        first = [1.0] + [0.0] * (n - 1)
+        on_state, on_input = self._series(first, float(t), self.terms(float(t)))
+        row, weight = [sum(column[:0:-1]) for column in zip(*on_state, strict=True)], sum(on_input)
+        rows, weights = [row], [weight]
+        for _ in range(1, n):  # the derivative of x_0 is x_1, and so on
+            top = row[-1]
+            weights.append(top)
+            row = [b - top * c for b, c in zip((0.0, *row), self.low, strict=False)]
+            rows.append(row)
+        return np.array(rows), np.array(weights)
+
+    def taylor(self, t: float, span: float) -> tuple[Array, Array]:
+        """Return y's series from t on, as rows on state and input at 0, (terms, n) and (terms,).
+
+        In powers of the time after t in units of ``span``.
+        """
+        terms = self.terms(span)
+        if not t:
+            on_state, on_input = self._series(list(self.c), span, terms)
+            on_input[0] += self.d
+            return np.array(on_state).reshape(terms, len(self.c)), np.array(on_input)
+        response, precision = self._exact(t)
+        with digits.precision(precision + int(terms * max(0.0, log10(self.size)))):
+            exact = response.exponential(Decimal(t))
+            q = [Decimal(0)] * len(exact)
+            for weight in reversed(_exactly(self.plant, self.dt)[1]):
+                shifted = response.times_sigma(q)
+                q = [a + weight * b for a, b in zip(shifted, exact, strict=True)]
+            rows, inputs = _split(_derivatives(response, q, terms), response.modulus[1:])
+        scale = np.array([span**j / factorial(j) for j in range(terms)])
+        inputs *= scale
+        inputs[0] += self.d
+        return rows * scale[:, None], inputs
+
+    def _series(
+        self, row: list[float], t: float, terms: int
+    ) -> tuple[list[list[float]], list[float]]:
+        """Return t^j/j! times the j-th derivatives of ``row`` x, on the state and on the input."""
+        rows, weights, low = [row], [0.0], self.low
+        for j in range(1, terms):
+            step, top = t / j, row[-1]
+            weights.append(top * step)
+            row = [(b - top * c) * step for b, c in zip((0.0, *row), low, strict=False)]
+            rows.append(row)
+        return rows, weights
+
+    def stretches(self, length: float) -> list[tuple[float, float]]:
+        """Return (begin, span) of stretches of [0, length] short enough for one Taylor series.
+
+        A mode that is over does not count, as long as its series, too, stays below what is left
+        of it. None at all where there would be too many.
+        """
+        if self.size * length <= SPAN:
+            return [(0.0, length)]
+        poles = self.plant.poles() * self.dt
+        poles = poles[np.abs(poles) > 0]
+        sizes, t = np.abs(poles), 0.0
+        series = (_MOST_TERMS + len(self.low)) * np.log(np.maximum(1.0, sizes * length))
+        out: list[tuple[float, float]] = []
+        while t < length * (1 - 1e-12):
+            over = -poles.real * t - _DEAD
+            reach = np.where(over > series, length, np.maximum(SPAN, over) / sizes)
+            span = min(float(reach.min(initial=np.inf)), length - t)
+            if len(out) == MOST_STRETCHES:
+                return []
+            out.append((t, span))
+            t += span
+        return out
+
+    def terms(self, span: float) -> int:
+        """Return how many Taylor terms carry a stretch to the last bit."""
+        turn, j, term = min(self.size * span, SPAN), 0, 1.0
+        while term > _TERM:
+            j += 1
+            term *= turn / j
+        return len(self.low) + j
+
+    def _exact(self, t: float) -> tuple[StepResponse, int]:
+        """Return the plant in digits, and how many of them a time t needs."""
+        num, den = self.plant.exact
+        needed = digits_needed(num, den, self.dt * t)
+        with digits.precision(needed):
+            gain = Decimal(self.plant.sensor)
+            return StepResponse.of(num, den, gain, Decimal(self.dt)), needed
+
+
+def _scaled(plant: Plant, dt: float) -> tuple[tuple[float, ...], tuple[float, ...], float]:
+    """Return (low, c, d) in units of dt; exactly, where anything is subtracted."""
+    if len(plant.num) == len(plant.den):
+        low, c, d = _exactly(plant, dt)
+        return tuple(map(float, low)), tuple(map(float, c)), float(d)
+    lead, n, power = plant.den[0], len(plant.den) - 1, 1.0
+    gain, shorter = plant.sensor / lead, len(plant.den) - len(plant.num)
+    monic, top = [], []
+    for i in range(1, n + 1):
+        power *= dt
+        monic.append(plant.den[i] / lead * power)
+        top.append(gain * plant.num[i - shorter] * power if i >= shorter else 0.0)
+    return tuple(monic[::-1]), tuple(top[::-1]), 0.0
+
+
+def _exactly(plant: Plant, dt: float) -> tuple[list[Decimal], list[Decimal], Decimal]:
+    """Return (low, c, d) in units of dt, exactly."""
+    num, den = plant.exact
+    n = len(den) - 1
+    with digits.precision(digits.KEPT):
+        gain, unit, power = Decimal(plant.sensor), Decimal(dt), Decimal(1)
+        top = [Decimal(0)] * (n + 1 - len(num)) + [c / den[0] for c in num]
+        low, c, d = [], [], gain * top[0]
+        for a, b in zip(den[1:], top[1:], strict=True):
+            power *= unit
+            low.append(a / den[0] * power)
+            c.append((gain * b - d * (a / den[0])) * power)
+    return low[::-1], c[::-1], d
+
+
+def _derivatives(response: StepResponse, element: list[Decimal], count: int) -> list[list[Decimal]]:
+    """Return the element and its derivatives, times sigma each."""
+    out = []
+    for _ in range(count):
+        out.append(element)
+        element = response.times_sigma(element)
+    return out
+
+
+def _split(rows: Sequence[Sequence[Decimal]], low: Sequence[Decimal]) -> tuple[Array, Array]:
+    """Return polynomials mod sigma den as (rows on the state, weights of the input)."""
+    n = len(low)
+    on_state = [[float(a - row[n] * b) for a, b in zip(row, low, strict=False)] for row in rows]
+    return np.array(on_state).reshape(len(rows), n), np.array([float(row[n]) for row in rows])

@@ -68,7 +68,8 @@ def _loop(found: Study, law: str) -> Iterator[tuple[str, Value]]:
 def _worst_error(found: Study) -> Value:
     """Return the largest steady-state error of the four loops, as designed or sensor twice."""
     steps = [loops[law].step for loops in (found.as_printed, found.twice) for law in LAWS]
-    errors = [abs(step.steady_state_error) for step in steps if step is not None]
+    ends = [step.steady_state_error if step else None for step in steps]
+    errors = [abs(error) for error in ends if error is not None]
     return max(errors) if len(errors) == len(steps) else None
 
 

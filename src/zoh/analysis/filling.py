@@ -1,0 +1,82 @@
+"""Where samples were left out, those that a metric may need are put in again.
+
+What moves in a wide stretch is slow: a mode turns by a quarter of a radian at most from one
+sample shown to the next, so a few points show where in it to look.
+"""
+
+import numpy as np
+
+from zoh.analysis.loop import Array
+from zoh.analysis.motion import Indices, Motion, Track
+
+_LOOKED = 40  # the first crests, and the highest, that are looked at among many
+_ROUNDING = 1e-13  # of the largest: a crest that stands out by less does not
+_BAND = 0.02
+
+
+def wanted(k: Indices, seen: Array, final: float) -> list[int]:
+    """Return the rows before which samples were left out that a metric may need.
+
+    seen  output and effort at the samples k, shape (2, K)
+    """
+    if k[-1] - k[0] < len(k):
+        return []
+    coarse = k[1:] - k[:-1] > 1
+    begin = int(coarse.argmax())
+    early, late = seen[:, : begin + 1], seen[:, begin:]
+    ends = [a.tolist() for a in (early.max(1), early.min(1), late.max(1), late.min(1))]
+    marks: set[int] = set()
+    for a, top, bottom, late_top, late_bottom in zip(seen, *ends, strict=True):
+        near = 0.1 * (late_top - late_bottom)  # a crest rises by far less
+        if late_top + near > top:
+            marks |= _tops(k, a, begin, max(top, late_top))
+        if late_bottom - near < bottom:
+            marks |= _tops(k, -a, begin, -min(bottom, late_bottom))
+    y, size, band = seen[0], abs(final), _BAND * abs(final)
+    if (ends[0][0] if final >= 0 else -ends[1][0]) < 0.9 * size:
+        up = y if final >= 0 else -y
+        marks.update(int((up >= level * size).argmax()) for level in (0.1, 0.9))
+    if max(ends[2][0] - final, final - ends[3][0]) > 0.9 * band:
+        off = np.abs(y - final)
+        outside = (off > band).nonzero()[0]
+        after = int(outside[-1]) if len(outside) else 0
+        marks |= {after} | _tops(k, off, max(after, begin), band)
+    rows = {j for i in marks for j in (i - 1, i) if begin <= j < len(coarse)}
+    return sorted(j for j in rows if coarse[j])
+
+
+def _tops(k: Indices, a: Array, begin: int, level: float) -> set[int]:
+    """Return the rows from ``begin`` on beside which a has a crest above a level.
+
+    The first ones and the highest. What is bent downwards stays below its chords' extensions.
+    """
+    left = max(begin, 1)
+    rise, fall = a[left:-1] - a[left - 1 : -2], a[left:-1] - a[left + 1 :]
+    gaps = np.diff(k[left - 1 :]).astype(float)
+    ratio = gaps[1:] / gaps[:-1]
+    reach = np.maximum(rise * np.maximum(1, ratio), fall * np.maximum(1, 1 / ratio))
+    high = a[left:-1] + reach > level + _ROUNDING * max(abs(level), abs(float(a.max())))
+    found = ((rise >= 0) & (fall >= 0) & high).nonzero()[0] + left
+    best = found[(-a[found]).argsort(kind="stable")]
+    return {*found[:_LOOKED].tolist(), *best[:_LOOKED].tolist()}
+
+
+def filled(motion: Motion, track: Track, rows: list[int]) -> Track:
+    """Return the track with 15 to 31 samples more, or all, after each of these rows.
+
+    What is left in a wide stretch is slow, so a few points show where in it to look next.
+    """
+    k, states = track.k, track.states
+    ks, zs, at = [], [], 0
+    for i in rows:
+        ks.append(k[at : i + 1])
+        zs.append(states[:, at : i + 1])
+        gap = int(k[i + 1] - k[i])
+        doublings = max(0, gap.bit_length() - 5)
+        count = -(-gap >> doublings)  # rounded up, so that the row itself and these fill the gap
+        ks.append(k[i] + (np.arange(1, count) << doublings))
+        zs.append(motion.run(states[:, i], count, doublings)[:, 1:])
+        at = i + 1
+    ks.append(k[at:])
+    zs.append(states[:, at:])
+    return Track(k=np.concatenate(ks), states=np.concatenate(zs, axis=1), rests=track.rests)
