@@ -10,7 +10,8 @@ from typing import Any
 class Margins:
     """The margins of a loop L in unity negative feedback.
 
-    stable            the closed loop's poles are all inside the stable region
+    stable            the closed loop's poles are all inside the stable region; None where a
+                      table of measured points does not decide it
     gain_margin       the factor on L nearest 1 (in log) that makes the loop marginally stable;
                       inf where there is none
     phase_crossover   rad/s, where that happens; None where there is none
@@ -26,9 +27,10 @@ class Margins:
     phase_crossings   every (frequency, gain factor); w = 0 and Nyquist's count where L is
                       negative real there. A continuous dead time turns the loop for ever:
                       listed are those with a factor up to 1000 and a few more
+    warnings          what the figures rest on or where they end, one sentence each
     """
 
-    stable: bool
+    stable: bool | None
     gain_margin: float
     phase_crossover: float | None
     phase_margin_deg: float
@@ -41,6 +43,7 @@ class Margins:
     disk_margin: float
     gain_crossings: tuple[tuple[float, float], ...]
     phase_crossings: tuple[tuple[float, float], ...]
+    warnings: tuple[str, ...] = ()
 
     @property
     def gain_margin_db(self) -> float:
