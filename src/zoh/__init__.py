@@ -18,9 +18,18 @@ if TYPE_CHECKING:
     from zoh.analysis.responses import Response, noise_gains, response, response_trace
     from zoh.analysis.results import Margins, StepInfo
     from zoh.analysis.step import Trace, step_info, trace
+    from zoh.analysis.tabled.results import TableMargins
+    from zoh.analysis.tabled.verify import (
+        TableMeasured,
+        TableVerified,
+        measure_table,
+        verify_table,
+    )
     from zoh.analysis.verify import Measured, Verified, measure, verify
     from zoh.certificate import LAWS
     from zoh.errors import Infeasible, NotMet, SpecError, ZohError
+    from zoh.lti.coherence import random_error
+    from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
     from zoh.lti.systems import Plant, Sampled
     from zoh.pipeline import design, lag, lead, p, pd, pi, pid
     from zoh.sampling.convert import METHODS, discretise, undiscretise
@@ -34,6 +43,7 @@ __all__ = [
     "LAWS",
     "METHODS",
     "Crossover",
+    "FrequencyResponse",
     "Infeasible",
     "Margins",
     "Measured",
@@ -44,6 +54,10 @@ __all__ = [
     "Sampled",
     "SpecError",
     "StepInfo",
+    "TableMargins",
+    "TableMeasured",
+    "TableVerified",
+    "TabledLoop",
     "Trace",
     "Verified",
     "ZohError",
@@ -53,11 +67,13 @@ __all__ = [
     "lead",
     "margins",
     "measure",
+    "measure_table",
     "noise_gains",
     "p",
     "pd",
     "pi",
     "pid",
+    "random_error",
     "response",
     "response_trace",
     "sample",
@@ -65,6 +81,7 @@ __all__ = [
     "trace",
     "undiscretise",
     "verify",
+    "verify_table",
 ]
 
 # A name is loaded when it is first used: what a script does not need costs it nothing. The
@@ -75,9 +92,18 @@ _HOMES = {
     "zoh.analysis.responses": ("Response", "noise_gains", "response", "response_trace"),
     "zoh.analysis.results": ("Margins", "StepInfo"),
     "zoh.analysis.step": ("Trace", "step_info", "trace"),
+    "zoh.analysis.tabled.results": ("TableMargins",),
+    "zoh.analysis.tabled.verify": (
+        "TableMeasured",
+        "TableVerified",
+        "measure_table",
+        "verify_table",
+    ),
     "zoh.analysis.verify": ("Measured", "Verified", "measure", "verify"),
     "zoh.certificate": ("LAWS",),
     "zoh.errors": ("Infeasible", "NotMet", "SpecError", "ZohError"),
+    "zoh.lti.coherence": ("random_error",),
+    "zoh.lti.frequency_response": ("FrequencyResponse", "TabledLoop"),
     "zoh.lti.systems": ("Plant", "Sampled"),
     "zoh.pipeline": ("design", "lag", "lead", "p", "pd", "pi", "pid"),
     "zoh.sampling.convert": ("METHODS", "discretise", "undiscretise"),

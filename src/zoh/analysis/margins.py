@@ -31,14 +31,11 @@ _AT_A_ROOT = 1e-13  # of its terms: what num conj den is, in floats, at a root o
 _BLUR = 1e-6  # the crossing they make up this near to it (|L| is flat there) is none
 
 
-def margins(
-    loop: Plant | Sampled | FrequencyResponse | TabledLoop, *, unstable_poles: int | None = None
-) -> Margins:
+def margins(loop: Plant | Sampled | FrequencyResponse | TabledLoop) -> Margins:
     """Return the margins of ``loop``, the open loop of a unity negative feedback.
 
-    Frequencies are real ones in rad/s, below or at Nyquist's. For a table (or a controller
-    times one) ``unstable_poles`` is how many the plant has, and the result is a
-    ``zoh.TableMargins``. Raises SpecError for anything that is no system.
+    Frequencies are real ones in rad/s, below or at Nyquist's. For a table, or a controller
+    times one, the result is a ``zoh.TableMargins``. Raises SpecError for what is no system.
 
     >>> from math import pi
     >>> m = margins(Sampled(num=[0.1], den=[1, -0.9], dt=1.0))  # leaves at z = -1
@@ -46,9 +43,7 @@ def margins(
     (19.0, True)
     """
     if isinstance(loop, FrequencyResponse | TabledLoop):
-        return table_margins(loop, unstable_poles or 0)
-    if unstable_poles is not None:
-        raise SpecError("unstable_poles", "is for tables", unstable_poles, "poles are known here")
+        return table_margins(loop)
     return measure_loop(Loop.of(loop))
 
 

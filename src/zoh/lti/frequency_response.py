@@ -34,6 +34,7 @@ class FrequencyResponse:
     uncertainty  1 sigma of the complex value relative to its size, in the magnitude (relative)
                  and in the phase (rad) alike, independent from point to point; None: not known
     neglected    a bound, relative to |G|, on what the values leave out; None: nothing known of
+    unstable_poles  how many the plant has behind its table, where nothing shows them
 
     Raises SpecError for columns of different lengths, values out of range or out of order.
 
@@ -51,6 +52,7 @@ class FrequencyResponse:
     dt: float | None = None
     uncertainty: Array | None = None
     neglected: Array | None = None
+    unstable_poles: int = 0
     log_gain: Curve = field(init=False, repr=False)
     turn: Curve = field(init=False, repr=False)
 
@@ -68,6 +70,8 @@ class FrequencyResponse:
         put(self, "w", w)
         put(self, "magnitude", magnitude)
         put(self, "phase_deg", checks.column("phase_deg", phase))
+        way_out = "count the plant's poles on the right, or outside the unit circle"
+        put(self, "unstable_poles", checks.whole("unstable_poles", self.unstable_poles, 0, way_out))
         put(self, "dt", None if self.dt is None else _clock(self.dt, w))
         for name in ("uncertainty", "neglected"):
             value = getattr(self, name)
@@ -80,7 +84,7 @@ class FrequencyResponse:
     @classmethod
     def from_complex(
         cls, *, w: npt.ArrayLike, gain: npt.ArrayLike, dt: float | None = None,
-        uncertainty: Any = None,
+        uncertainty: Any = None, unstable_poles: int = 0,
     ) -> "FrequencyResponse":  # fmt: skip
         """Return the table of complex gains at w in rad/s, such as a cross spectrum's quotient.
 
@@ -97,12 +101,13 @@ class FrequencyResponse:
             phase_deg=np.degrees(np.angle(value)),
             dt=dt,
             uncertainty=uncertainty,
+            unstable_poles=unstable_poles,
         )
 
     @classmethod
     def from_bode(
         cls, *, hz: npt.ArrayLike, db: npt.ArrayLike, phase_deg: npt.ArrayLike,
-        dt: float | None = None, uncertainty: Any = None,
+        dt: float | None = None, uncertainty: Any = None, unstable_poles: int = 0,
     ) -> "FrequencyResponse":  # fmt: skip
         """Return the table of an analyser's columns: Hz, dB and degrees.
 
@@ -115,6 +120,7 @@ class FrequencyResponse:
             phase_deg=np.atleast_1d(checks.frequencies("phase_deg", phase_deg)),
             dt=dt,
             uncertainty=uncertainty,
+            unstable_poles=unstable_poles,
         )
 
     @property
@@ -173,6 +179,7 @@ class FrequencyResponse:
             w=self.w, magnitude=abs(k) * self.magnitude,
             phase_deg=self.phase_deg - (180.0 if k < 0 else 0.0), dt=self.dt,
             uncertainty=self.uncertainty, neglected=self.neglected,
+            unstable_poles=self.unstable_poles,
         )  # fmt: skip
 
     def without(self, first: int) -> "FrequencyResponse":
@@ -181,7 +188,7 @@ class FrequencyResponse:
         kept[first:-1:2] = False
         return FrequencyResponse(
             w=self.w[kept], magnitude=self.magnitude[kept], phase_deg=self.phase_deg[kept],
-            dt=self.dt,
+            dt=self.dt, unstable_poles=self.unstable_poles,
         )  # fmt: skip
 
     def __rmul__(self, controller: Plant | Sampled) -> "TabledLoop":

@@ -35,10 +35,10 @@ class Count:
     why: str
 
 
-def count(path: Path, unstable_poles: int) -> Count:
-    """Return how many closed-loop poles are unstable, if the plant alone has so many."""
+def count(path: Path) -> Count:
+    """Return how many closed-loop poles are unstable, if the plant has those it is said to."""
     integrators, unstable = boundary_poles(path.controller)
-    open_loop = unstable_poles + unstable
+    open_loop = path.table.unstable_poles + unstable
     doubt = _blurred(path) or _unseen_above(path) or _unseen_below(path)
     if doubt:
         return Count(unstable=None, why=doubt)
@@ -51,7 +51,7 @@ def count(path: Path, unstable_poles: int) -> Count:
     if round(z) < 0:
         why = f"it turns around -1 as only a loop with {-round(z)} more unstable poles does"
         return Count(unstable=None, why=f"{why} than the {open_loop} given")
-    return Count(unstable=round(z), why=_granted(path, unstable_poles))
+    return Count(unstable=round(z), why=_granted(path))
 
 
 def _blurred(path: Path) -> str | None:
@@ -138,10 +138,11 @@ def _refined(path: Path) -> ComplexArray:
     return gain
 
 
-def _granted(path: Path, unstable_poles: int) -> str:
+def _granted(path: Path) -> str:
     """Return what the count rests on, in words."""
     table = path.table
-    parts = [f"the plant has {unstable_poles or 'no'} unstable pole{'s' * (unstable_poles != 1)}"]
+    p = table.unstable_poles
+    parts = [f"the plant has {p or 'no'} unstable pole{'s' if p != 1 else ''}"]
     if path.low is not None:
         like = f"falls with w^{-path.low.integrators}" if path.low.integrators else "is constant"
         parts.append(f"below {table.band[0]:.6g} rad/s its gain {like}, as its low end does")

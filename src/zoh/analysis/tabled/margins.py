@@ -11,7 +11,6 @@ from math import degrees, inf, log, radians, tau
 
 import numpy as np
 
-from zoh import checks
 from zoh.analysis.crossings import sign_changes
 from zoh.analysis.tabled.count import count
 from zoh.analysis.tabled.path import Path, beyond
@@ -57,21 +56,19 @@ class Seen:
         )
 
 
-def table_margins(loop: FrequencyResponse | TabledLoop, unstable_poles: int = 0) -> TableMargins:
+def table_margins(loop: FrequencyResponse | TabledLoop) -> TableMargins:
     """Return the margins of a tabled open loop in unity negative feedback.
 
-    ``unstable_poles`` is how many the plant has, which no table shows. Raises SpecError for a
-    controller with poles on the stability boundary other than integrators.
+    Raises SpecError for a controller with poles on the stability boundary other than
+    integrators.
 
     >>> w = np.geomspace(0.1, 10, 41)
     >>> m = table_margins(FrequencyResponse.from_complex(w=w, gain=1 / (1j * w)))
     >>> m.stable, round(m.crossover, 9), round(m.phase_margin_deg, 9)
     (True, 1.0, 90.0)
     """
-    way_out = "count the plant's poles on the right, or outside the unit circle"
-    given = checks.whole("unstable_poles", unstable_poles, 0, way_out)
     path = Path.of(loop)
-    seen, verdict, outside = Seen.of(path), count(path, given), beyond(path)
+    seen, verdict, outside = Seen.of(path), count(path), beyond(path)
     mt_frequency, complementary = _least(lambda g: abs(1 + g) / abs(g), path)
     spreads: dict[str, Spread | None] = {
         "interpolation": _left_out(path, seen),
@@ -98,7 +95,6 @@ def table_margins(loop: FrequencyResponse | TabledLoop, unstable_poles: int = 0)
         gain_crossings=seen.gain_crossings,
         phase_crossings=seen.phase_crossings,
         band=path.table.band,
-        unstable_poles=given,
         beyond=outside,
         warnings=warnings(path, seen, verdict, outside, spreads),
         **spreads,

@@ -48,7 +48,6 @@ class TableMargins(Margins):
                      ``beyond`` gives, with phase_crossover None
     modulus_margin, mt, disk_margin   in the band
     band             rad/s, the table's first and last point
-    unstable_poles   of the plant, as given
     beyond           bounds outside the band
     interpolation    by how much the figures move when every second point is left out, the
                      larger move of two; None where the table is too short
@@ -57,7 +56,6 @@ class TableMargins(Margins):
     """
 
     band: tuple[float, float]
-    unstable_poles: int
     beyond: Beyond
     interpolation: Spread | None
     noise: Spread | None
@@ -70,7 +68,6 @@ class TableMargins(Margins):
         return {
             **Margins.to_dict(self),
             "band": list(self.band),
-            "unstable_poles": self.unstable_poles,
             "beyond": {
                 "gain_margin": jsonable(self.beyond.gain_margin),
                 "ms": jsonable(self.beyond.ms),
