@@ -18,6 +18,7 @@ from zoh.analysis.tabled.count import count
 from zoh.analysis.tabled.margins import table_margins
 from zoh.analysis.tabled.path import Path
 from zoh.analysis.tabled.results import TableMargins
+from zoh.analysis.verify import Measured
 from zoh.errors import NotMet, SpecError
 from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
 from zoh.lti.systems import Sampled, sample_time
@@ -130,6 +131,9 @@ class TableVerified(TableMeasured):
             abs(loop.at(wc) + exp(1j * radians(pm_deg))) <= _SAME_GAIN
             for wc, pm_deg in self.margins.gain_crossings
         )
+
+
+Evidence = Measured | TableMeasured  # of a loop with a model, or with a table
 
 
 def measure_table(
