@@ -236,6 +236,12 @@ class TabledLoop:
         """Return the complex gain at wc in rad/s; SpecError outside the table."""
         return self.controller.at(wc) * self.table.at(wc)
 
+    def __rmul__(self, controller: Sampled) -> "TabledLoop":
+        """Return the loop with one more controller in series."""
+        if not isinstance(controller, Sampled) or not isinstance(self.controller, Sampled):
+            return NotImplemented
+        return TabledLoop(controller=controller * self.controller, table=self.table)
+
 
 def _clock(dt: Any, w: Array) -> float:
     """Return dt in s; raise SpecError where a point lies above Nyquist's frequency."""
