@@ -5,8 +5,9 @@ each of its parts is joined by a ``Curve``, which crosses a level where the poin
 else. Outside its points a response is not known, and asking is an error.
 """
 
+from cmath import exp
 from dataclasses import dataclass, field
-from math import pi, tau
+from math import log, pi, tau
 from typing import Any, overload
 
 import numpy as np
@@ -144,8 +145,10 @@ class FrequencyResponse:
     def at(self, wc: npt.ArrayLike) -> ComplexArray: ...
     def at(self, wc: Any) -> Any:
         """Return the complex gain at wc in rad/s, a number or an array; SpecError outside."""
-        w = checks.frequencies("wc", wc)
         low, high = self.band
+        if isinstance(wc, float) and low <= wc <= high:
+            return exp(complex(self.log_gain.at(log(wc)), self.turn.at(log(wc))))
+        w = checks.frequencies("wc", wc)
         outside = w[(w < low) | (w > high)]
         if outside.size:
             raise SpecError(
@@ -162,13 +165,17 @@ class FrequencyResponse:
         """Return the relative 1 sigma of ``at(wc)`` that the points' own leads to; 0 unknown."""
         if self.uncertainty is None:
             return 0.0
-        return float(np.linalg.norm(self.log_gain.weights(np.log(wc)) * self.uncertainty))
+        x = log(wc)
+        parts = (self.log_gain.weights(x), self.turn.weights(x))
+        return max(float(np.linalg.norm(part * self.uncertainty)) for part in parts)
 
     def neglected_at(self, wc: float) -> float:
         """Return the relative bound on what ``at(wc)`` leaves out; 0 where none was given."""
         if self.neglected is None:
             return 0.0
-        return float(np.abs(self.log_gain.weights(np.log(wc))) @ self.neglected)
+        x = log(wc)
+        parts = (self.log_gain.weights(x), self.turn.weights(x))
+        return max(float(np.abs(part) @ self.neglected) for part in parts)
 
     def scaled(self, gain: float) -> "FrequencyResponse":
         """Return the response times a real gain, such as a sensor's."""

@@ -77,7 +77,11 @@ def sampled_table(
 def _inside(
     table: FrequencyResponse, w: Array, dt: float, delay: float
 ) -> tuple[ComplexArray, Array]:
-    """Return the sum over the images inside the table, and the square of its 1 sigma."""
+    """Return the sum over the images inside the table, and the square of its 1 sigma.
+
+    Each is taken for independent; at pi/dt, where an image and its mirror are one point of the
+    table, that is too little by a factor of sqrt(2) at most.
+    """
     low, high = table.band
     total, square = np.zeros(len(w), complex), np.zeros(len(w))
     known = np.log(table.w)

@@ -63,7 +63,7 @@ class Path:
         low, high = table.band
         corners = _corners(controller)
         inside = corners[(corners > low) & (corners < high)]
-        w = np.unique(np.concatenate([_between(table.w), inside]))
+        w = np.unique(np.concatenate([_between(table.w), inside, _turns(controller, low, high)]))
         above = 0.0
         if not table.reaches_nyquist:
             above = float(table.magnitude[-1]) * _most_above(controller, corners, high)
@@ -196,6 +196,18 @@ def _corners(controller: Plant | Sampled | None) -> Array:
     if isinstance(controller, Plant):
         return v
     return np.array([unwarp(float(x), controller.dt) for x in v])
+
+
+def _turns(controller: Plant | Sampled | None, low: float, high: float) -> Array:
+    """Return frequencies at every 0.2 rad of the controller's own delay."""
+    wait = 0.0
+    if isinstance(controller, Sampled):
+        wait = controller.delay * controller.dt
+    elif controller is not None:
+        wait = controller.dead_time
+    if not wait:
+        return np.empty(0)
+    return np.linspace(low, high, min(int((high - low) * wait / 0.2) + 2, _MOST))
 
 
 def _most_above(controller: Plant | Sampled | None, corners: Array, high: float) -> float:

@@ -12,7 +12,7 @@ _ONCE = {
     "interpolation": "between its points the table is joined by a curve; without every second "
     "point {} would move by {}: a resonance narrower than the spacing is not seen at all",
     "noise": "1 sigma of the points is, to first order, 1 sigma of {}: {}",
-    "neglected": "what the values leave out moves {} by at most {}",
+    "neglected": "what the values leave out moves {}, to first order, by at most {}",
 }
 
 
