@@ -11,6 +11,7 @@ Source: K. J. Astrom and R. M. Murray, Feedback Systems, 2nd ed., sec. 10.2 (Nyq
 in general, with poles on the axis passed on the right).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import degrees, pi
 
@@ -23,6 +24,7 @@ from zoh.lti.systems import ComplexArray
 _SIGMAS = 3.0  # of the noise: nearer to -1 than this, either side is possible
 _SIDE_DEG = 0.5  # nearer to -180 deg than this, no analyser tells the sides apart
 _LOUD = 0.5  # |L| above this can reach -1 within a cell by a resonance of a factor of two
+_SURE_DEG = 60.0  # a cell that turns by more may hide a resonance that turns it the other way
 _STEP = 0.5  # rad; the path is refined until no step of 1 + L turns by more
 _WHOLE = 0.1  # of the count from a whole number, where the path begins and ends far out
 
@@ -54,6 +56,27 @@ def count(path: Path) -> Count:
     return Count(unstable=round(z), why=_granted(path))
 
 
+def agreed(path: Path, coarser: Sequence[Path]) -> Count:
+    """Return the count, undecided where the points left out in ``coarser`` might change it.
+
+    By Rouche's theorem they cannot where the loop moves less than its distance from -1.
+    """
+    found = count(path)
+    if found.unstable is None:
+        return found
+    exact = path.table.at(path.w)
+    for other in coarser:
+        moved = np.abs(path.gain) * np.abs(other.table.at(path.w) / exact - 1)
+        far = moved >= np.abs(1 + path.gain)
+        if far.any():
+            at = path.w[int(np.argmax(far))]
+            why = (
+                f"without every second point the loop is on the other side of -1 at {at:.6g} rad/s"
+            )
+            return Count(unstable=None, why=f"{why}, or may be: measure more points there")
+    return found
+
+
 def _blurred(path: Path) -> str | None:
     """Return why the points themselves leave the count open, None where they do not."""
     table, x = path.table, np.log(path.w)
@@ -65,13 +88,13 @@ def _blurred(path: Path) -> str | None:
     if near.any():
         at = path.w[int(np.argmax(near))]
         return f"within its uncertainty (3 sigma) the loop may be -1 at {at:.6g} rad/s"
-    for i in table.ambiguous:
+    for i in np.flatnonzero(np.abs(np.diff(table.phase_deg)) > _SURE_DEG).tolist():
         a, b = table.w[i], table.w[i + 1]
         if max(abs(path.at(float(a))), abs(path.at(float(b)))) > _LOUD:
             return (
                 f"from {a:.6g} to {b:.6g} rad/s the phase turns by "
                 f"{abs(table.phase_deg[i + 1] - table.phase_deg[i]):.0f} deg, where |L| is above "
-                f"{_LOUD:g}: it may have turned the other way"
+                f"{_LOUD:g}: it may have turned the other way; measure more points there"
             )
     return None
 
@@ -143,6 +166,7 @@ def _granted(path: Path) -> str:
     table = path.table
     p = table.unstable_poles
     parts = [f"the plant has {p or 'no'} unstable pole{'s' if p != 1 else ''}"]
+    parts.append("no resonance hides between the points")
     if path.low is not None:
         like = f"falls with w^{-path.low.integrators}" if path.low.integrators else "is constant"
         parts.append(f"below {table.band[0]:.6g} rad/s its gain {like}, as its low end does")

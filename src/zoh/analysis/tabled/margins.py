@@ -5,14 +5,14 @@ controller, which is known between them too. Source: that of ``analysis.margins`
 """
 
 from cmath import phase
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import degrees, inf, log, radians, tau
 
 import numpy as np
 
 from zoh.analysis.crossings import sign_changes
-from zoh.analysis.tabled.count import count
+from zoh.analysis.tabled.count import agreed
 from zoh.analysis.tabled.path import Path, beyond
 from zoh.analysis.tabled.results import Spread, TableMargins
 from zoh.analysis.tabled.spread import spread
@@ -68,10 +68,11 @@ def table_margins(loop: FrequencyResponse | TabledLoop) -> TableMargins:
     (True, 1.0, 90.0)
     """
     path = Path.of(loop)
-    seen, verdict, outside = Seen.of(path), count(path), beyond(path)
+    coarse = path.coarser() if len(path.table.w) >= _FEWEST else ()
+    seen, verdict, outside = Seen.of(path), agreed(path, coarse), beyond(path)
     mt_frequency, complementary = _least(lambda g: abs(1 + g) / abs(g), path)
     spreads: dict[str, Spread | None] = {
-        "interpolation": _left_out(path, seen),
+        "interpolation": _left_out(coarse, seen),
         "noise": None,
         "neglected": None,
     }
@@ -124,7 +125,7 @@ def _phase_crossings(path: Path) -> tuple[tuple[float, float], ...]:
     signs, last = np.sign(path.gain.imag), None
     if path.table.reaches_nyquist:
         signs[-1] = 0
-        last = path.gain[-1].real
+        last = float(path.gain[-1].real)
     crossings = [(w, path.at(w).real) for w in sign_changes(side, path.w, signs)]
     if last is not None:
         crossings.append((path.table.band[1], last))
@@ -167,20 +168,24 @@ def _valley(f: Callable[[float], float], a: float, b: float) -> tuple[float, flo
     return (c, fc) if fc < fd else (d, fd)
 
 
-def _left_out(path: Path, seen: Seen) -> Spread | None:
+def _left_out(coarse: Sequence[Path], seen: Seen) -> Spread | None:
     """Return by how much the figures move without every second point, the larger of two moves."""
-    if len(path.table.w) < _FEWEST:
+    if not coarse:
         return None
-    coarse = [Seen.of(path.with_table(path.table.without(first))) for first in (1, 2)]
+    others = [Seen.of(path) for path in coarse]
     return Spread(
         phase_margin_deg=_moved(
-            seen.crossover, seen.phase_margin_deg, [c.gain_crossings for c in coarse], float
+            seen.crossover, seen.phase_margin_deg, [c.gain_crossings for c in others], float
         ),
         gain_margin_db=_moved(
-            seen.phase_crossover, _db(seen.gain_margin), [c.phase_crossings for c in coarse], _db
+            seen.phase_crossover, _db(seen.gain_margin), [c.phase_crossings for c in others], _db
         ),
-        ms=max(abs(1 / c.modulus_margin - 1 / seen.modulus_margin) for c in coarse),
+        ms=max(abs(_inverse(c.modulus_margin) - _inverse(seen.modulus_margin)) for c in others),
     )
+
+
+def _inverse(modulus_margin: float) -> float:
+    return 1 / modulus_margin if modulus_margin else inf
 
 
 def _moved(

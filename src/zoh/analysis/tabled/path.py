@@ -72,9 +72,12 @@ class Path:
             above=above,
         )  # fmt: skip
 
-    def with_table(self, table: FrequencyResponse) -> "Path":
-        """Return the path of the same controller with another table."""
-        return Path.of(table if self.controller is None else self.controller * table)
+    def coarser(self) -> tuple["Path", "Path"]:
+        """Return the paths of the two tables without every second point."""
+        first, second = (self.table.without(start) for start in (1, 2))
+        if self.controller is None:
+            return Path.of(first), Path.of(second)
+        return Path.of(self.controller * first), Path.of(self.controller * second)
 
     def at(self, w: float) -> complex:
         """Return the loop's gain at one frequency in the band."""
