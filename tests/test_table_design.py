@@ -212,3 +212,15 @@ def test_the_report_says_what_it_rests_on():
     assert d.loop.at(1.95) == d.controller.at(1.95) * d.sampled.at(1.95)
     assert d.dt == DT
     assert pi / DT > d.margins.band[1]
+
+
+def test_a_crossing_of_the_controller_below_the_table_counts_against_the_margin():
+    # a flat plant of 0.5 and an integrator: |L| passes 1 below the table, at -90 deg, by 0.5/w
+    plant = FrequencyResponse(w=[2, 3, 5, 8, 12], magnitude=[0.5] * 5, phase_deg=[0] * 5, dt=DT)
+    law = zoh.Sampled.from_w(num_w=[1.0], den_w=[1.0, 0.0], dt=DT)
+    found = zoh.measure_table(plant, law)
+    assert found.margins.gain_crossings == ()
+    assert found.margins.beyond.phase_margin_deg == pytest.approx(90.0, abs=1e-9)
+    assert zoh.verify_table(plant, law, requirements=Requirements(pm_deg=89)).met
+    with pytest.raises(NotMet, match=r"pm_deg must be at least 95, .* no more than 90 is known"):
+        zoh.verify_table(plant, law, requirements=Requirements(pm_deg=95))

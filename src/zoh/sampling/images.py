@@ -55,14 +55,9 @@ def sampled_table(
             float(-fall),
             "measure further up, or measure from the held input to the samples",
         )
-    w = table.w[table.w < pi / dt]
-    if table.w[-1] >= pi / dt:
-        w = np.append(w, pi / dt)
-    if len(w) < 2:
-        raise SpecError("dt", "must leave two points below pi/dt", dt, "sample faster")
-    hold = (1 - np.exp(-1j * w * dt)) / dt
+    w = _up_to_nyquist(table.w, dt)
     total, square = _inside(table, w, dt, compute_delay)
-    size = np.abs(total)
+    size, hold = np.abs(total), (1 - np.exp(-1j * w * dt)) / dt
     return FrequencyResponse(
         w=w,
         magnitude=np.abs(hold * total),
@@ -72,6 +67,14 @@ def sampled_table(
         neglected=_outside(table, w, dt, fall) / size,
         unstable_poles=table.unstable_poles,
     )
+
+
+def _up_to_nyquist(w: Array, dt: float) -> Array:
+    """Return the frequencies below pi/dt, and pi/dt where the table has passed it."""
+    kept = np.append(w[w < pi / dt], pi / dt) if w[-1] >= pi / dt else w
+    if len(kept) < 3 and w[-1] >= pi / dt:
+        raise SpecError("dt", "must leave two points below pi/dt", dt, "sample faster")
+    return kept
 
 
 def _inside(

@@ -12,8 +12,9 @@ from math import degrees, inf, log, radians, tau
 import numpy as np
 
 from zoh.analysis.crossings import sign_changes
+from zoh.analysis.tabled.beyond import beyond
 from zoh.analysis.tabled.count import agreed
-from zoh.analysis.tabled.path import Path, beyond
+from zoh.analysis.tabled.path import Path
 from zoh.analysis.tabled.results import Spread, TableMargins
 from zoh.analysis.tabled.spread import spread
 from zoh.analysis.tabled.words import warnings
@@ -71,15 +72,7 @@ def table_margins(loop: FrequencyResponse | TabledLoop) -> TableMargins:
     coarse = path.coarser() if len(path.table.w) >= _FEWEST else ()
     seen, verdict, outside = Seen.of(path), agreed(path, coarse), beyond(path)
     mt_frequency, complementary = _least(lambda g: abs(1 + g) / abs(g), path)
-    spreads: dict[str, Spread | None] = {
-        "interpolation": _left_out(coarse, seen),
-        "noise": None,
-        "neglected": None,
-    }
-    if path.table.uncertainty is not None:
-        spreads["noise"] = spread(path, seen, path.table.spread_at)
-    if path.table.neglected is not None:
-        spreads["neglected"] = spread(path, seen, path.table.neglected_at)
+    spreads = _spreads(path, coarse, seen)
     none_seen = seen.phase_crossover is None
     return TableMargins(
         stable=None if verdict.unstable is None else verdict.unstable == 0,
@@ -100,6 +93,16 @@ def table_margins(loop: FrequencyResponse | TabledLoop) -> TableMargins:
         warnings=warnings(path, seen, verdict, outside, spreads),
         **spreads,
     )
+
+
+def _spreads(path: Path, coarse: Sequence[Path], seen: Seen) -> dict[str, Spread | None]:
+    """Return how far the figures may be off, by cause; None where a cause is not known."""
+    table = path.table
+    return {
+        "interpolation": _left_out(coarse, seen),
+        "noise": None if table.uncertainty is None else spread(path, seen, table.spread_at),
+        "neglected": None if table.neglected is None else spread(path, seen, table.neglected_at),
+    }
 
 
 def _gain_crossings(path: Path) -> tuple[tuple[float, float], ...]:

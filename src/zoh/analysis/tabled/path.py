@@ -5,11 +5,10 @@ say so; above it, its gain is taken to stay below the last one. The controller i
 """
 
 from dataclasses import dataclass
-from math import inf, log, pi
+from math import pi
 
 import numpy as np
 
-from zoh.analysis.tabled.results import Beyond
 from zoh.errors import SpecError
 from zoh.lti import poly
 from zoh.lti.curve import Array
@@ -125,34 +124,6 @@ def quiet_below(path: Path) -> bool:
     """Return whether L is below 1 where the table begins, and was rising up to there or level."""
     level = boundary_poles(path.controller)[0] <= 0 and low_slope(path.table) > -_SLOPE
     return level and abs(path.gain[0]) < 1
-
-
-def beyond(path: Path) -> Beyond:
-    """Return bounds on what the loop does outside its table, by what ``Path`` takes for granted."""
-    sizes = [path.above]
-    factors, ms, mt = [], [1.0], [0.0]
-    if path.low is None:
-        sizes.append(float(abs(path.gain[0])) if quiet_below(path) else inf)
-    else:
-        gain = path.below()[1]
-        ms.append(1 / float(np.abs(1 + gain).min()))
-        mt.append(float((np.abs(gain) / np.abs(1 + gain)).max()))
-        over = np.flatnonzero((gain[1:].imag * gain[:-1].imag < 0) & (gain[1:].real < 0))
-        factors += [float(abs(1 / gain[i])) for i in over]
-        if _real_at_zero(path) and gain[0].real < 0:
-            factors.append(float(abs(1 / gain[0])))
-    for size in sizes:
-        if size:
-            factors.append(max(1 / size, 1.0))
-            ms.append(1 / (1 - size) if size < 1 else inf)
-            mt.append(size / (1 - size) if size < 1 else inf)
-    nearest = min(factors, key=lambda f: abs(log(f)), default=inf)
-    return Beyond(gain_margin=nearest, ms=max(ms), mt=max(mt))
-
-
-def _real_at_zero(path: Path) -> bool:
-    integrators = boundary_poles(path.controller)[0]
-    return path.low is not None and path.low.integrators + integrators == 0
 
 
 def boundary_poles(controller: Plant | Sampled | None) -> tuple[int, int]:

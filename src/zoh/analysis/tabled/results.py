@@ -30,11 +30,13 @@ class Spread:
 class Beyond:
     """Bounds on what the loop does outside its table, if what is taken for granted holds.
 
-    gain_margin  no phase crossing outside has a factor nearer to 1 (in log) than this
-    ms, mt       neither peak is larger than this outside; inf where nothing is known
+    gain_margin       no phase crossing outside has a factor nearer to 1 (in log) than this
+    phase_margin_deg  no gain crossing outside has a margin of smaller size; inf without any
+    ms, mt            neither peak is larger than this outside; inf where nothing is known
     """
 
     gain_margin: float
+    phase_margin_deg: float
     ms: float
     mt: float
 
@@ -70,6 +72,7 @@ class TableMargins(Margins):
             "band": list(self.band),
             "beyond": {
                 "gain_margin": jsonable(self.beyond.gain_margin),
+                "phase_margin_deg": jsonable(self.beyond.phase_margin_deg),
                 "ms": jsonable(self.beyond.ms),
                 "mt": jsonable(self.beyond.mt),
             },

@@ -232,6 +232,7 @@ def _missed_beyond(asked: Requirements, margins: TableMargins) -> list[str]:
     decibels = 20 * abs(log(beyond.gain_margin)) / log(10)
     rows = (
         ("gain_margin_db", asked.gain_margin_db, decibels, True),
+        ("pm_deg", asked.pm_deg, beyond.phase_margin_deg, True),
         ("ms", asked.ms, beyond.ms, False),
         ("mt", asked.mt, beyond.mt, False),
     )
