@@ -151,7 +151,11 @@ BAD = [
     ({"[sampling]": "dead_time = 0.1\n[sampling]"}, TABLE, "plant.dead_time must be left out"),
     ({"[sampling]": "[sensor]\ngain = 2\n[sampling]"}, TABLE, "sensor.gain must be left out"),
     ({"dt = 0.1": "dt = 0.1\ncompute_delay = 0.1"}, TABLE, "sampling.compute_delay must be left"),
-    ({"[sampling]": "unstable_poles = -1\n[sampling]"}, TABLE, "unstable_poles must be a whole"),
+    (
+        {"[sampling]": "unstable_poles = -1\n[sampling]"},
+        TABLE,
+        "error: plant.unstable_poles must be a whole",
+    ),
     ({"[sampling]": "columns = 3\n[sampling]"}, TABLE, "plant.columns must be names, got 3"),
     (
         {"[sampling]": 'columns = ["w", "deg"]\n[sampling]'},
@@ -169,7 +173,8 @@ BAD = [
     ({}, TABLE + "nan,1,2\n", "w must be finite"),
     ({}, TABLE + "5,1,2\n", "w[5] must be above w[4], got 5.0"),
     ({}, TABLE + "20,0,2\n", "magnitude[5] must be above 0, got 0.0"),
-    ({}, "w,ratio,deg,coherence\n1,1,0,0.9\n2,1,0,0.9", "plant.averages must be given"),
+    ({}, "w,ratio,deg,coherence\n1,1,0,0.9\n2,1,0,0.9", "error: plant.averages must be given"),
+    ({"[sampling]": "averages = 0\n[sampling]"}, TABLE, "error: plant.averages must be"),
     ({}, "w,ratio,deg\n1,1,0", "w must have two points or more"),
 ]
 

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from zoh import checks
 from zoh.app.toml import Section, within
 from zoh.errors import SpecError
 from zoh.lti.coherence import random_error
@@ -48,37 +49,48 @@ def read_table(
             raise section.missing("response_of", way_out)
         raise SpecError(f"{section.path}response_of", "must be one of two", kind, way_out)
     if kind == "sampled":
-        for key, value, nothing in (
-            ("sensor.gain", sensor, 1.0),
-            ("sampling.compute_delay", compute_delay, 0.0),
-        ):
-            if value != nothing:
-                bound = "must be left out: a sampled response has it in it already"
-                raise SpecError(key, bound, value, "or say response_of otherwise")
+        _refuse_twice(sensor, compute_delay)
     rows = _rows(attached(name), section)
+    if "coherence" in rows and "averages" not in section.data:
+        raise section.missing("averages", "how many independent averages the coherence is of")
+    averages = _whole(section, "averages", 1)
+    unstable_poles = _whole(section, "unstable_poles", 0)
     with within(f"{section.path}frequency_response: "):
-        table = _table(rows, section, dt if kind == "sampled" else None)
+        table = _table(rows, dt if kind == "sampled" else None, averages, unstable_poles)
     return table if kind == "sampled" else table.scaled(sensor)
 
 
-def _table(rows: "dict[str, list[float]]", section: Section, dt: float | None) -> FrequencyResponse:
+def _refuse_twice(sensor: float, compute_delay: float) -> None:
+    """Raise SpecError for what a sampled response has in it already."""
+    rows = (("sensor.gain", sensor, 1.0), ("sampling.compute_delay", compute_delay, 0.0))
+    for key, value, nothing in rows:
+        if value != nothing:
+            bound = "must be left out: a sampled response has it in it already"
+            raise SpecError(key, bound, value, "or say response_of otherwise")
+
+
+def _whole(section: Section, key: str, least: int) -> int:
+    way_out = "give a whole number, or leave it out"
+    return checks.whole(f"{section.path}{key}", section.data.get(key, least), least, way_out)
+
+
+def _table(
+    rows: dict[str, list[float]], dt: float | None, averages: int, unstable_poles: int
+) -> FrequencyResponse:
     frequency = next(name for name in rows if name in _FREQUENCY)
     gain = next(name for name in rows if name in _GAIN)
     phase = next(name for name in rows if name in _PHASE)
     size = np.array(rows[gain])
     uncertainty = rows.get("uncertainty")
     if "coherence" in rows:
-        if "averages" not in section.data:
-            raise section.missing("averages", "how many independent averages coherence is of")
-        found = random_error(rows["coherence"], section.data["averages"])
-        uncertainty = found.tolist()
+        uncertainty = random_error(rows["coherence"], averages).tolist()
     return FrequencyResponse(
         w=np.array(rows[frequency]) * _FREQUENCY[frequency],
         magnitude=10 ** (size / 20) if _GAIN[gain] else size,
         phase_deg=np.array(rows[phase]),
         dt=dt,
         uncertainty=None if uncertainty is None else np.array(uncertainty),
-        unstable_poles=section.data.get("unstable_poles", 0),
+        unstable_poles=unstable_poles,
     )
 
 
