@@ -34,27 +34,34 @@ def third_order(w):
     return 2 / (s * (s + 1) * (s + 2))
 
 
+def least(f, a, b):
+    """Return the least value of f, which has one valley in [a, b], to some forty digits."""
+    a, b = mp.mpf(a), mp.mpf(b)
+    for _ in range(120):  # thirds: the place to 1e-21, the value to 1e-42
+        c, d = a + (b - a) / 3, b - (b - a) / 3
+        a, b = (a, d) if f(c) < f(d) else (c, b)
+    return f(a)
+
+
 def third_order_truth():
-    """Return (wc, pm in deg, Ms) with fifty digits."""
+    """Return (wc, pm in deg, Ms, Mt, disk margin) with fifty digits."""
     with mp.workdps(50):
+
+        def loop(w):
+            return 2 / (1j * w * (1j * w + 1) * (1j * w + 2))
+
         wc = mp.findroot(lambda w: w**2 * (w**2 + 1) * (w**2 + 4) - 4, mp.mpf("0.75"))
         pm = 90 - mp.degrees(mp.atan(wc)) - mp.degrees(mp.atan(wc / 2))
-
-        def distance(w):
-            return abs(1 + 2 / (1j * w * (1j * w + 1) * (1j * w + 2)))
-
-        a, b = mp.mpf("0.5"), mp.mpf(2)
-        for _ in range(120):  # thirds: the place to 1e-21, the value to 1e-42
-            c, d = a + (b - a) / 3, b - (b - a) / 3
-            a, b = (a, d) if distance(c) < distance(d) else (c, b)
-        least = distance(a)
-        return float(wc), float(pm), float(1 / least)
+        ms = 1 / least(lambda w: abs(1 + loop(w)), "0.5", "2")
+        mt = 1 / least(lambda w: abs(1 + 1 / loop(w)), "0.3", "1.5")
+        disk = 2 * least(lambda w: abs(1 + loop(w)) / abs(1 - loop(w)), "0.4", "2")
+        return tuple(float(x) for x in (wc, pm, ms, mt, disk))
 
 
 @pytest.mark.parametrize("per_decade", [10, 30, 100])
 def test_a_third_order_loop_by_hand(per_decade):
     m = zoh.margins(table(third_order, 0.02, 50, round(per_decade * log10(2500)) + 1))
-    wc, pm, ms = third_order_truth()
+    wc, pm, ms, mt, disk = third_order_truth()
     e = between(log(10) / per_decade, corners=2)
     assert m.stable is True
     assert m.crossover == pytest.approx(wc, rel=e)  # its slope there is beyond -1: shift below e
@@ -63,6 +70,9 @@ def test_a_third_order_loop_by_hand(per_decade):
     assert log(m.gain_margin) == pytest.approx(log(3.0), abs=3.2 * e)
     assert m.phase_crossover == pytest.approx(sqrt(2), rel=1.1 * e)
     assert m.ms == pytest.approx(ms, abs=ms**2 * 2 * e)  # |L| below 1 there, e in each part
+    assert m.mt == pytest.approx(mt, abs=ms * mt * 2 * e)  # dT/T = S dL/L
+    assert m.disk_margin == pytest.approx(disk, abs=4 * e)  # d = 2|1 + L|/|1 - L|, |1 - L| > 1
+    assert m.delay_margin == pytest.approx(np.radians(pm) / wc, abs=3 * e / wc)
     assert abs(m.phase_margin_deg - pm) <= m.interpolation.phase_margin_deg
     assert abs(m.gain_margin_db - 20 * log10(3)) <= m.interpolation.gain_margin_db
     assert abs(m.ms - ms) <= m.interpolation.ms
@@ -248,6 +258,45 @@ def test_most_verdicts_are_given():
         assert m.stable == truth
         decided += 1
     assert decided == 60
+
+
+def sampled_loops(count):
+    """Yield (controller, num, den of the plant in z, closed-loop poles) away from the circle."""
+    rng = np.random.default_rng(11)
+    while count:
+        kind = rng.integers(0, 4)
+        r, angle = rng.uniform(0.5, 0.98), rng.uniform(0.05, 2.8)
+        poles = [
+            [1.0, rng.uniform(-0.5, 0.9)],
+            [r * np.exp(1j * angle), r * np.exp(-1j * angle)],
+            [rng.uniform(1.02, 1.4), rng.uniform(-0.5, 0.9)],
+            [rng.uniform(-0.5, 0.9), rng.uniform(0.5, 0.99)],
+        ][kind]
+        num = (
+            np.array([1.0, rng.uniform(-1.5, 1.5)]) * rng.choice([-1, 1, 1]) * np.exp(rng.normal())
+        )
+        den = np.poly(poles).real
+        law = zoh.Sampled(
+            num=[1.0, -rng.uniform(0.5, 0.99)], den=[1.0, -rng.choice([0.3, 1.0, 1.2])], dt=1.0
+        )
+        closed = np.roots(np.polyadd(np.polymul(den, law.den), np.polymul(num, law.num)))
+        if np.abs(np.abs(closed) - 1).min() > 0.01:
+            count -= 1
+            yield law, num, den, closed
+
+
+def test_verdicts_of_sampled_loops_with_their_controllers_are_right():
+    decided = 0
+    w = np.append(np.geomspace(1e-3, 3.1, 300), pi)
+    z = np.exp(1j * w)
+    for law, num, den, closed in sampled_loops(150):
+        unstable = int((np.abs(np.roots(den)) > 1 + 1e-9).sum())
+        gain = np.polyval(num, z) / np.polyval(den, z)
+        plant = FrequencyResponse.from_complex(w=w, gain=gain, dt=1.0, unstable_poles=unstable)
+        m = zoh.margins(law * plant)
+        assert m.stable in (None, bool((np.abs(closed) < 1).all()))
+        decided += m.stable is not None
+    assert decided > 120  # the others start at -180 deg, two integrators or one and a sign
 
 
 def test_the_count_takes_the_unstable_poles_that_it_is_told():
