@@ -337,6 +337,14 @@ def test_the_count_takes_the_unstable_poles_that_it_is_told():
             ),
             "within its uncertainty (3 sigma) the loop may be -1 at",
         ),
+        (  # the point at 4 rad/s alone takes the loop around -1
+            FrequencyResponse(
+                w=[1, 2, 4, 8, 16],
+                magnitude=[4, 2, 1.2, 0.5, 0.2],
+                phase_deg=[-95, -130, -178, -140, -120],
+            ),
+            "without every second point it may pass -1 on the other side at",
+        ),
     ],
 )
 def test_undecided_is_said_and_not_guessed(loop, why):
@@ -345,6 +353,20 @@ def test_undecided_is_said_and_not_guessed(loop, why):
     assert m.warnings[0].startswith("the table does not decide stability: ")
     assert why in m.warnings[0]
     assert m.to_dict()["stable"] is None
+
+
+def test_a_loop_that_passes_minus_one_closely_is_followed_around_it():
+    # from 2 to 4 rad/s |L| is 1.001, the same at both points, and so all the way; the phase passes
+    # -180 deg there, so the loop passes -1 on the left, by 0.001: unstable. A chord of 7.5 deg,
+    # an eighth of the cell, would pass at 1.001 cos(3.75 deg) = 0.999, on the right
+    loop = FrequencyResponse(
+        w=[1, 2, 4, 8],
+        magnitude=[2.002, 1.001, 1.001, 0.3],
+        phase_deg=[-100, -146.25, -206.25, -230],
+    )
+    m = zoh.margins(loop)
+    assert m.stable is False
+    assert m.gain_margin == pytest.approx(1 / 1.001, rel=1e-12)
 
 
 def test_a_double_integrator_is_judged_by_the_side_it_comes_from():

@@ -70,10 +70,8 @@ def agreed(path: Path, coarser: Sequence[Path]) -> Count:
         far = moved >= np.abs(1 + path.gain)
         if far.any():
             at = path.w[int(np.argmax(far))]
-            why = (
-                f"without every second point the loop is on the other side of -1 at {at:.6g} rad/s"
-            )
-            return Count(unstable=None, why=f"{why}, or may be: measure more points there")
+            why = f"without every second point it may pass -1 on the other side at {at:.6g} rad/s"
+            return Count(unstable=None, why=f"{why}: measure more points there")
     return found
 
 
