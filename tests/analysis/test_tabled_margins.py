@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 import zoh
 from zoh import FrequencyResponse
+from zoh.analysis.tabled.path import boundary_poles
 from zoh.errors import SpecError
 
 
@@ -148,13 +149,62 @@ def test_a_sampled_table_up_to_nyquist_has_its_crossing_there():
 
 
 def test_a_controller_is_known_between_the_points():
-    # a notch far narrower than the spacing, exactly between two points of a flat plant: the loop
-    # is 0.5 (s^2 + b s + 1)/(s^2 + s + 1) and |1 + L| is least at w = 1, where L = b/2
+    # a notch at 0.9 rad/s, far narrower than the spacing and on no even step of it: there the
+    # loop is 0.5 * 0.9e-3/0.9, by hand, and |1 + L| is least
     flat = FrequencyResponse(w=[0.5, 2.0], magnitude=[0.5, 0.5], phase_deg=[0, 0])
-    notch = zoh.Plant(num=[1, 1e-3, 1], den=[1, 1, 1])
+    notch = zoh.Plant(num=[1, 0.9e-3, 0.81], den=[1, 0.9, 0.81])
     m = zoh.margins(notch * flat)
-    assert m.ms == pytest.approx(1 / (1 + 0.5e-3), rel=1e-12)
-    assert m.ms_frequency == pytest.approx(1.0, rel=1e-3)  # it is flat there
+    assert m.ms == pytest.approx(1 / (1 + 0.5e-3), rel=1e-6)  # L is not real all around: 1e-7
+    assert m.ms_frequency == pytest.approx(0.9, rel=1e-3)  # it is flat there
+
+
+def test_the_delay_of_a_controller_turns_between_the_points():
+    # 0.5/(jw) known at 0.1, 1, 3 rad/s alone, behind 20 samples of 0.5 s: the phase crossings are
+    # where 10 w = pi/2 + 2 pi n, by hand, five of them below 3 rad/s, with factors 2 w
+    plant = FrequencyResponse(
+        w=[0.1, 1, 3], magnitude=[5, 0.5, 0.5 / 3], phase_deg=[-90] * 3, dt=0.5
+    )
+    late = zoh.Sampled.from_w(num_w=[1.0], den_w=[1.0], dt=0.5, delay=20)
+    places = [(pi / 2 + 2 * pi * n) / 10 for n in range(5)]
+    found = zoh.margins(late * plant).phase_crossings
+    assert [w for w, _ in found] == pytest.approx(places, rel=1e-12)
+    assert [f for _, f in found] == pytest.approx([2 * w for w in places], rel=1e-12)
+
+
+def test_a_controller_that_rises_beyond_the_table_is_not_lost():
+    # |P| is 0.5 where the table ends. A lead that rises to 0.05/0.1 leaves |L| <= 0.25 beyond; one
+    # that rises to 0.3/0.1 may make it 1.5
+    plant = FrequencyResponse(w=[0.5, 1, 2], magnitude=[2, 1, 0.5], phase_deg=[-90] * 3)
+    m = zoh.margins(zoh.Plant(num=[0.05, 0.1], den=[0.1, 1.0]) * plant)
+    assert m.beyond.ms == pytest.approx(1 / (1 - 0.25), rel=1e-6)  # to 0.5 * 0.5 at infinity
+    m = zoh.margins(zoh.Plant(num=[0.3, 0.1], den=[0.1, 1.0]) * plant)
+    assert m.stable is None
+    assert "|L| may be as large as 1.5 beyond 2 rad/s" in m.warnings[0]
+
+
+def test_slope_and_phase_must_agree_on_what_lies_below():
+    # |P| falls as an integrator does, with 60 deg more lag than one has
+    m = zoh.margins(FrequencyResponse(w=[1, 2, 4], magnitude=[4, 2, 0.4], phase_deg=[-150] * 3))
+    assert m.stable is None
+    assert "neither slope nor phase show" in m.warnings[0]
+
+
+def test_integrators_and_zeros_at_the_origin_are_told_apart():
+    twice = zoh.Sampled.from_w(num_w=[1.0, 2.0], den_w=[1.0, 0.0, 0.0], dt=0.1)
+    washout = zoh.Sampled(num=[1, -1], den=[1, -0.5], dt=0.1)
+    unstable = zoh.Sampled(num=[1], den=[1, -1.5], dt=0.1)
+    assert boundary_poles(twice) == (2, 0)
+    assert boundary_poles(washout) == (-1, 0)
+    assert boundary_poles(unstable) == (0, 1)
+    assert boundary_poles(None) == (0, 0)
+
+
+def test_a_negative_margin_bears_a_delay_of_nearly_a_turn():
+    # at w = 1 the phase is -210 deg, a margin of -30 deg: another 330 deg bring it back to -1
+    late = FrequencyResponse(w=[0.5, 1, 2], magnitude=[2, 1, 0.5], phase_deg=[-190, -210, -230])
+    m = zoh.margins(late)
+    assert m.phase_margin_deg == pytest.approx(-30, abs=1e-12)
+    assert m.delay_margin == pytest.approx(np.radians(330), rel=1e-12)
 
 
 def test_a_resonance_as_wide_as_the_spacing_shows_in_the_error_estimate():
