@@ -19,9 +19,18 @@ if TYPE_CHECKING:
     from zoh.analysis.responses import Response, noise_gains, response, response_trace
     from zoh.analysis.results import Certificate, Margins, Proof, StepInfo
     from zoh.analysis.step import step_info
+    from zoh.analysis.tabled.results import TableMargins
+    from zoh.analysis.tabled.verify import (
+        TableMeasured,
+        TableVerified,
+        measure_table,
+        verify_table,
+    )
     from zoh.analysis.verify import Measured, Verified, measure, verify
     from zoh.certificate import LAWS
     from zoh.errors import Infeasible, NotMet, RoundingWarning, SpecError, ZohError
+    from zoh.lti.coherence import random_error
+    from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
     from zoh.lti.systems import Plant, Sampled
     from zoh.pipeline import design, lag, lead, p, pd, pi, pid
     from zoh.sampling.convert import METHODS, discretise, undiscretise
@@ -36,6 +45,7 @@ __all__ = [
     "METHODS",
     "Certificate",
     "Crossover",
+    "FrequencyResponse",
     "Infeasible",
     "Margins",
     "Measured",
@@ -48,6 +58,10 @@ __all__ = [
     "Sampled",
     "SpecError",
     "StepInfo",
+    "TableMargins",
+    "TableMeasured",
+    "TableVerified",
+    "TabledLoop",
     "Trace",
     "Verified",
     "ZohError",
@@ -57,11 +71,13 @@ __all__ = [
     "lead",
     "margins",
     "measure",
+    "measure_table",
     "noise_gains",
     "p",
     "pd",
     "pi",
     "pid",
+    "random_error",
     "response",
     "response_trace",
     "sample",
@@ -69,6 +85,7 @@ __all__ = [
     "trace",
     "undiscretise",
     "verify",
+    "verify_table",
 ]
 
 # A name is loaded when it is first used: what a script does not need costs it nothing. The
@@ -80,9 +97,18 @@ _HOMES = {
     "zoh.analysis.curves": ("Trace", "trace"),
     "zoh.analysis.results": ("Certificate", "Margins", "Proof", "StepInfo"),
     "zoh.analysis.step": ("step_info",),
+    "zoh.analysis.tabled.results": ("TableMargins",),
+    "zoh.analysis.tabled.verify": (
+        "TableMeasured",
+        "TableVerified",
+        "measure_table",
+        "verify_table",
+    ),
     "zoh.analysis.verify": ("Measured", "Verified", "measure", "verify"),
     "zoh.certificate": ("LAWS",),
     "zoh.errors": ("Infeasible", "NotMet", "RoundingWarning", "SpecError", "ZohError"),
+    "zoh.lti.coherence": ("random_error",),
+    "zoh.lti.frequency_response": ("FrequencyResponse", "TabledLoop"),
     "zoh.lti.systems": ("Plant", "Sampled"),
     "zoh.pipeline": ("design", "lag", "lead", "p", "pd", "pi", "pid"),
     "zoh.sampling.convert": ("METHODS", "discretise", "undiscretise"),

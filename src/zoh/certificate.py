@@ -1,6 +1,6 @@
 """A law solved by name, and what could be had where it cannot: all of it tried, none guessed."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import cos
 
@@ -10,11 +10,12 @@ from zoh.analysis.loop import Loop
 from zoh.analysis.margins import measure_loop
 from zoh.analysis.results import Margins
 from zoh.analysis.stability import closed_loop_stable
+from zoh.analysis.tabled.margins import Seen
 from zoh.design import first_order
 from zoh.design import p as p_law
 from zoh.design import pi as pi_law
 from zoh.design import pid as pid_law
-from zoh.design.target import Target, nearest
+from zoh.design.target import Response, Target, nearest
 from zoh.errors import Infeasible, SpecError
 from zoh.lti.systems import Sampled
 from zoh.spec import Crossover
@@ -43,7 +44,7 @@ class SolvedLaw:
 
 
 def solved(
-    law: str, sampled: Sampled, spec: Crossover, parameters: Mapping[str, float]
+    law: str, sampled: Response, spec: Crossover, parameters: Mapping[str, float]
 ) -> SolvedLaw:
     """Return the law of this name solved at the crossover; raise Infeasible where it cannot be."""
     found: p_law.P | pi_law.PI | pid_law.PID | first_order.FirstOrder
@@ -68,7 +69,7 @@ def least_turn(sampled: Sampled, pm_deg: float) -> float:
     return float(turns[np.argmin(np.abs(turns))])
 
 
-def off_target(m: Margins, spec: Crossover) -> bool:
+def off_target(m: Margins | Seen, spec: Crossover) -> bool:
     """Return whether the margin nearest to zero is another one than was asked for."""
     return (
         m.crossover is None
@@ -77,19 +78,42 @@ def off_target(m: Margins, spec: Crossover) -> bool:
     )
 
 
+def not_as_asked(m: Margins, spec: Crossover | None) -> list[str]:
+    """Return what is not as the crossover was asked for; instability speaks for itself."""
+    if spec is None or not m.stable or not off_target(m, spec):
+        return []
+    at = "no frequency" if m.crossover is None else f"{m.crossover:.6g} rad/s"
+    return [
+        f"the phase margin is {m.phase_margin_deg:.6g} deg at {at}, another crossover "
+        f"of this loop, not {spec.pm_deg:g} deg at {spec.wc:g} rad/s"
+    ]
+
+
 def certified(
     refused: Infeasible, law: str, sampled: Sampled, spec: Crossover,
     parameters: Mapping[str, float],
 ) -> Infeasible:  # fmt: skip
     """Return the refusal with where this law can, and which laws can here; all of it tried."""
 
+    def holds(controller: Sampled, at: Crossover) -> bool:
+        loop = Loop.of(controller, sampled)
+        return closed_loop_stable(loop) and not off_target(measure_loop(loop), at)
+
+    return advised(refused, law, sampled, spec, parameters, holds)
+
+
+def advised(
+    refused: Infeasible, law: str, sampled: Response, spec: Crossover,
+    parameters: Mapping[str, float], holds: Callable[[Sampled, Crossover], bool],
+) -> Infeasible:  # fmt: skip
+    """Return the refusal with all that could be had instead, tried by ``holds``."""
+
     def works(name: str, at: Crossover) -> bool:
         try:
             found = solved(name, sampled, at, {**_free(sampled, at), **parameters})
         except (Infeasible, SpecError):
             return False
-        loop = Loop.of(found.controller, sampled)
-        return closed_loop_stable(loop) and not off_target(measure_loop(loop), at)
+        return holds(found.controller, at)
 
     return Infeasible(
         refused.reason,
@@ -102,7 +126,7 @@ def certified(
     )
 
 
-def _free(sampled: Sampled, spec: Crossover) -> dict[str, float]:
+def _free(sampled: Response, spec: Crossover) -> dict[str, float]:
     """Return values to try for gains that were not given: modest ones that leave room.
 
     A small integral; a gain at w = 0 from which a lead has to rise, or a lag to fall, to twice

@@ -81,8 +81,15 @@ def whole(name: str, value: object, least: int, way_out: str) -> int:
 def frequencies(name: str, value: object) -> npt.NDArray[np.float64]:
     """Return a finite frequency, or an array of them, as a float64 array."""
     way_out = "give rad/s, a number or an array of numbers"
+    return _numbers(name, value, "must be a frequency", way_out)
+
+
+def _numbers(
+    name: str, value: object, bound: str = "must be numbers", way_out: str = "one for each row"
+) -> npt.NDArray[np.float64]:
+    """Return a finite number, or an array of them, as a float64 array."""
     if isinstance(value, str | bytes) or value is None:
-        raise SpecError(name, "must be a frequency", value, way_out)
+        raise SpecError(name, bound, value, way_out)
     try:
         array = np.asarray(value)
         if array.dtype.kind not in "fiu":
@@ -92,6 +99,32 @@ def frequencies(name: str, value: object) -> npt.NDArray[np.float64]:
         raise SpecError(name, "must be real", value, way_out) from None
     if not np.isfinite(result).all():
         raise SpecError(name, "must be finite", value, way_out)
+    return result
+
+
+def column(
+    name: str, value: object, length: int | None = None, *,
+    above: float | None = None, least: float | None = None,
+) -> npt.NDArray[np.float64]:  # fmt: skip
+    """Return one column of a table as a read-only float64 array, each entry within its bound.
+
+    >>> column("magnitude", [1, 2], 2, above=0.0)
+    array([1., 2.])
+    """
+    result = np.array(np.atleast_1d(_numbers(name, value)))
+    if result.ndim != 1 or len(result) != (len(result) if length is None else length):
+        bound = "must be one column" if length is None else f"must be {length} numbers, one per w"
+        raise SpecError(name, bound, result.shape, "complete the rows")
+    low = np.zeros(len(result), bool)
+    if above is not None:
+        low = result <= above
+    if least is not None:
+        low = result < least
+    if low.any():
+        i = int(np.flatnonzero(low)[0])
+        bound = f"must be above {above:g}" if least is None else f"must be {least:g} or more"
+        raise SpecError(f"{name}[{i}]", bound, float(result[i]), "mend this row or leave it out")
+    result.flags.writeable = False
     return result
 
 

@@ -5,23 +5,30 @@ meets its specification in the loop it was measured in, or raises; none clamps.
 """
 
 from collections.abc import Callable, Mapping
+from typing import overload
 
 from zoh import checks
 from zoh.analysis.closed import followable
-from zoh.analysis.verify import NOTHING_ASKED, Measured, Verified, measure, verified
-from zoh.certificate import LAWS, SolvedLaw, certified, least_turn, off_target, solved
+from zoh.analysis.tabled.verify import TableVerified
+from zoh.analysis.verify import NOTHING_ASKED, Verified, measure, verified
+from zoh.certificate import LAWS, SolvedLaw, certified, least_turn, not_as_asked, solved
 from zoh.design import p as p_law
 from zoh.design.target import Target
 from zoh.errors import Infeasible, NotMet, SpecError
+from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.systems import Plant, Sampled, sample_time
 from zoh.sampling.hold import sample
 from zoh.spec import Crossover, Requirements
+from zoh.table_design import design_on_table
+
+Known = Plant | FrequencyResponse  # a plant as a model, or as the table of its response
+Design = Verified | TableVerified  # verified on the one, or on the other
 
 
 def p(
-    plant: Plant, *, dt: float, wc: float | None = None, pm_deg: float | None = None,
+    plant: Known, *, dt: float, wc: float | None = None, pm_deg: float | None = None,
     compute_delay: float = 0.0, requirements: Requirements = NOTHING_ASKED,
-) -> Verified:  # fmt: skip
+) -> Design:  # fmt: skip
     """Return the P controller with the margin pm_deg in deg, or crossing over at wc in rad/s.
 
     With pm_deg alone the fastest stable crossover is taken. Raises SpecError, Infeasible, NotMet.
@@ -35,9 +42,9 @@ def p(
 
 
 def pi(
-    plant: Plant, *, dt: float, wc: float | None = None, pm_deg: float | None = None,
+    plant: Known, *, dt: float, wc: float | None = None, pm_deg: float | None = None,
     compute_delay: float = 0.0, requirements: Requirements = NOTHING_ASKED,
-) -> Verified:  # fmt: skip
+) -> Design:  # fmt: skip
     """Return the PI controller kp + ki/w that crosses over at wc (rad/s) with pm_deg (deg).
 
     Raises SpecError for a malformed request, Infeasible where a PI cannot, NotMet where the
@@ -48,19 +55,19 @@ def pi(
 
 
 def pd(
-    plant: Plant, *, dt: float, wc: float | None = None, pm_deg: float | None = None,
+    plant: Known, *, dt: float, wc: float | None = None, pm_deg: float | None = None,
     compute_delay: float = 0.0, requirements: Requirements = NOTHING_ASKED,
-) -> Verified:  # fmt: skip
+) -> Design:  # fmt: skip
     """Return the PD controller kp + kd w/(1 + w dt/2) that crosses over at wc with pm_deg."""
     given = {"wc": wc, "pm_deg": pm_deg}
     return design(plant, "pd", given, dt=dt, compute_delay=compute_delay, requirements=requirements)
 
 
 def pid(
-    plant: Plant, *, dt: float, wc: float | None = None, pm_deg: float | None = None,
+    plant: Known, *, dt: float, wc: float | None = None, pm_deg: float | None = None,
     ki: float | None = None, compute_delay: float = 0.0,
     requirements: Requirements = NOTHING_ASKED,
-) -> Verified:  # fmt: skip
+) -> Design:  # fmt: skip
     """Return the PID with integral gain ki that crosses over at wc (rad/s) with pm_deg (deg).
 
     D(w) = kp + ki/w + kd w/(1 + w dt/2), w = (2/dt)(z-1)/(z+1).
@@ -77,10 +84,10 @@ def pid(
 
 
 def lag(
-    plant: Plant, *, dt: float, wc: float | None = None, pm_deg: float | None = None,
+    plant: Known, *, dt: float, wc: float | None = None, pm_deg: float | None = None,
     dc_gain: float | None = None, compute_delay: float = 0.0,
     requirements: Requirements = NOTHING_ASKED,
-) -> Verified:  # fmt: skip
+) -> Design:  # fmt: skip
     """Return the lag with gain dc_gain at w = 0 that crosses over at wc with pm_deg."""
     given = {"wc": wc, "pm_deg": pm_deg, "dc_gain": dc_gain}
     return design(
@@ -89,10 +96,10 @@ def lag(
 
 
 def lead(
-    plant: Plant, *, dt: float, wc: float | None = None, pm_deg: float | None = None,
+    plant: Known, *, dt: float, wc: float | None = None, pm_deg: float | None = None,
     dc_gain: float | None = None, compute_delay: float = 0.0,
     requirements: Requirements = NOTHING_ASKED,
-) -> Verified:  # fmt: skip
+) -> Design:  # fmt: skip
     """Return the lead with gain dc_gain at w = 0 that crosses over at wc with pm_deg.
 
     >>> arm = Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
@@ -106,18 +113,36 @@ def lead(
     )
 
 
+@overload
 def design(
     plant: Plant, law: str, given: Mapping[str, float | None], *, dt: float,
     compute_delay: float = 0.0, requirements: Requirements = NOTHING_ASKED,
     reference: float = 1.0, name: str | None = None,
-) -> Verified:  # fmt: skip
+) -> Verified: ...  # fmt: skip
+@overload
+def design(
+    plant: FrequencyResponse, law: str, given: Mapping[str, float | None], *, dt: float,
+    compute_delay: float = 0.0, requirements: Requirements = NOTHING_ASKED,
+    reference: float = 1.0, name: str | None = None,
+) -> TableVerified: ...  # fmt: skip
+def design(
+    plant: Known, law: str, given: Mapping[str, float | None], *, dt: float,
+    compute_delay: float = 0.0, requirements: Requirements = NOTHING_ASKED,
+    reference: float = 1.0, name: str | None = None,
+) -> Design:  # fmt: skip
     """Return the verified design of ``law``; ``given`` are its parameters, named in ``LAWS``.
 
     Raises SpecError for an unknown law or parameter, one that is missing or out of range;
     Infeasible where the law cannot, with what could; NotMet where the loop is unstable, has a
-    smaller margin at another crossover, or misses a requirement.
+    smaller margin at another crossover, or misses a requirement. On a table it is a
+    ``TableVerified``, which has no step response and so no use for the reference.
     """
     parameters = _checked(law, given)
+    if isinstance(plant, FrequencyResponse):
+        return design_on_table(
+            plant, law, parameters, dt=dt, compute_delay=compute_delay, requirements=requirements,
+            name=name,
+        )  # fmt: skip
     followable(plant, sample_time(dt), compute_delay)
     sampled = sample(plant, dt, compute_delay)
 
@@ -126,7 +151,7 @@ def design(
             plant, found.controller, compute_delay=compute_delay, requirements=requirements,
             reference=reference, law=law, gains=found.gains, name=name,
         )  # fmt: skip
-        off = _not_as_asked(evidence, spec)
+        off = not_as_asked(evidence.margins, spec)
         if off:
             raise NotMet((*evidence.misses, *off), evidence)
         return verified(evidence)
@@ -168,18 +193,6 @@ def _free_p(
         "at no frequency below Nyquist's",
         needed_deg=least_turn(sampled, pm_deg),
     )
-
-
-def _not_as_asked(evidence: Measured, spec: Crossover | None) -> list[str]:
-    """Return what is not as the crossover was asked for; instability speaks for itself."""
-    m = evidence.margins
-    if spec is None or not m.stable or not off_target(m, spec):
-        return []
-    at = "no frequency" if m.crossover is None else f"{m.crossover:.6g} rad/s"
-    return [
-        f"the phase margin is {m.phase_margin_deg:.6g} deg at {at}, another crossover "
-        f"of this loop, not {spec.pm_deg:g} deg at {spec.wc:g} rad/s"
-    ]
 
 
 def _checked(law: str, given: Mapping[str, float | None]) -> dict[str, float]:

@@ -28,6 +28,7 @@ from zoh.analysis.squares import ON_DEN, ON_NUM, ON_OPPOSITE, Below, Squares
 from zoh.analysis.stability import closed_loop_stable
 from zoh.errors import RoundingWarning
 from zoh.lti import poly
+from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
 from zoh.lti.systems import Plant, Sampled
 
 _TOUCHES = 4e-15  # |L| this near to 1 at an end of the axis is 1: a few roundings, and
@@ -37,18 +38,23 @@ _BLUR = 1e-6  # the crossing they make up this near to it (|L| is flat there) is
 Crossings = list[tuple[float, float]]
 
 
-def margins(loop: Plant | Sampled) -> Margins:
+def margins(loop: Plant | Sampled | FrequencyResponse | TabledLoop) -> Margins:
     """Return the margins of ``loop``, the open loop of a unity negative feedback.
 
-    Frequencies are real ones in rad/s, below or at Nyquist's. Raises SpecError for anything
-    that is no system; warns (RoundingWarning, and in the answer's ``warnings``) where rounding of
-    the z-coefficients given has already lost a figure.
+    Frequencies are real ones in rad/s, below or at Nyquist's. For a table, or a controller
+    times one, the result is a ``zoh.TableMargins``. Raises SpecError for what is no system; warns
+    (RoundingWarning, and in the answer's ``warnings``) where rounding of the z-coefficients given
+    has already lost a figure.
 
     >>> from math import pi
     >>> m = margins(Sampled(num=[0.1], den=[1, -0.9], dt=1.0))  # leaves at z = -1
     >>> round(m.gain_margin, 12), m.phase_crossover == pi
     (19.0, True)
     """
+    if isinstance(loop, FrequencyResponse | TabledLoop):
+        from zoh.analysis.tabled.margins import table_margins  # not for a model
+
+        return table_margins(loop)
     found = measure_loop(Loop.of(loop))
     for sentence in found.warnings:
         warn(sentence, RoundingWarning, stacklevel=2)

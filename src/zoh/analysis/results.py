@@ -54,7 +54,8 @@ class Certificate:
 class Margins:
     """The margins of a loop L in unity negative feedback.
 
-    stable            the closed loop's poles are all inside the stable region
+    stable            the closed loop's poles are all inside the stable region; None where a
+                      table of measured points does not decide it
     gain_margin       the factor on L nearest 1 (in log) that makes the loop marginally stable;
                       inf where there is none
     phase_crossover   rad/s, where that happens; None where there is none
@@ -76,7 +77,7 @@ class Margins:
     warnings          what the figures rest on or where they end, one sentence each
     """
 
-    stable: bool
+    stable: bool | None
     gain_margin: float
     phase_crossover: float | None
     phase_margin_deg: float

@@ -19,6 +19,7 @@ from zoh.analysis.results import Gains, Margins, StepInfo
 from zoh.analysis.stability import closed_loop_stable
 from zoh.analysis.step import closed_loop_step
 from zoh.errors import NotMet, SpecError
+from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.systems import Plant, Sampled
 from zoh.lti.written import fraction, number
 from zoh.sampling.hold import sample
@@ -155,6 +156,8 @@ def measure(
     ``dt`` may be given to say which sample time is meant; it must be the controller's.
     Raises SpecError for what is no plant, no controller, or two sample times.
     """
+    if isinstance(plant, FrequencyResponse):
+        raise SpecError("plant", "must be a model", plant, "zoh.measure_table is for tables")
     if not isinstance(controller, Sampled):
         raise SpecError("controller", "must be a zoh.Sampled", controller, "give num, den and dt")
     if dt is not None and dt != controller.dt:

@@ -10,12 +10,12 @@ from math import isfinite
 from typing import Any
 
 from zoh.analysis.results import StepInfo, jsonable
-from zoh.analysis.verify import Measured
+from zoh.analysis.tabled.verify import Evidence
 from zoh.app.kinds import described, kinds
 from zoh.app.toml import Literal
 from zoh.lti.systems import Sampled
 
-_MARGINS: dict[str, Callable[[Measured], float | None]] = {
+_MARGINS: dict[str, Callable[[Evidence], float | None]] = {
     "wc": lambda m: m.margins.crossover,
     "pm_deg": lambda m: m.margins.phase_margin_deg,
     "gain_margin_db": lambda m: m.margins.gain_margin_db,
@@ -86,7 +86,7 @@ class Finding:
         }
 
 
-def check(claims: Sequence[Claim], measured: Measured) -> tuple[Finding, ...]:
+def check(claims: Sequence[Claim], measured: Evidence) -> tuple[Finding, ...]:
     """Return every claim beside its measurement, in the order of the claims."""
     wc = next((float(c.value) for c in claims if c.key == "wc"), measured.margins.crossover)
     return tuple(
@@ -97,7 +97,7 @@ def check(claims: Sequence[Claim], measured: Measured) -> tuple[Finding, ...]:
     )
 
 
-def _number(key: str, claimed: Literal, measured: Measured) -> Finding:
+def _number(key: str, claimed: Literal, measured: Evidence) -> Finding:
     value = _measurement(key, measured)
     unit = f" {UNITS[key]}" if key in UNITS else ""
     off_by = None
@@ -117,7 +117,7 @@ def _number(key: str, claimed: Literal, measured: Measured) -> Finding:
     )
 
 
-def _measurement(key: str, measured: Measured) -> float | None:
+def _measurement(key: str, measured: Evidence) -> float | None:
     if key in _MARGINS:
         return _MARGINS[key](measured)
     return None if measured.step is None else _STEP[key](measured.step)

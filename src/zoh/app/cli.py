@@ -102,7 +102,7 @@ def _parser() -> ArgumentParser:
 
 
 def _design(arguments: Namespace) -> int:
-    project = read(files.read_text(arguments.file))
+    project = read(files.read_text(arguments.file), files.beside(arguments.file))
     _refuse_early(arguments, "design.json")
     entries = design_all(project)
     result = to_dict(project, entries)
@@ -114,7 +114,7 @@ def _design(arguments: Namespace) -> int:
 
 
 def _check(arguments: Namespace) -> int:
-    project = read(files.read_text(arguments.file))
+    project = read(files.read_text(arguments.file), files.beside(arguments.file))
     entries = check_all(project)
     _show(arguments, project, entries, to_dict(project, entries))
     return _verdict(project, entries)

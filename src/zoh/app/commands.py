@@ -5,11 +5,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import zoh
-from zoh.analysis.verify import Measured, measure
+from zoh.analysis.tabled.verify import Evidence, in_clock, measure_table
+from zoh.analysis.verify import measure
 from zoh.app.claims import Finding, check
 from zoh.app.project import GIVEN, Given, Project, Request
 from zoh.app.toml import within
 from zoh.errors import Infeasible, NotMet, SpecError
+from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.hidden import hidden_modes
 from zoh.pipeline import design
 from zoh.sampling.hold import sample
@@ -24,7 +26,7 @@ class Entry:
 
     name: str
     law: str
-    measured: Measured | None = None
+    measured: Evidence | None = None
     refusal: Infeasible | None = None
     findings: tuple[Finding, ...] = ()
 
@@ -82,7 +84,7 @@ def _designed(project: Project, request: Request) -> Entry:
     name, law = request.name, request.law
     try:
         with within(f'controller "{name}": '):
-            made: Measured = design(
+            made: Evidence = design(
                 project.plant,
                 law,
                 request.parameters,
@@ -101,36 +103,60 @@ def _designed(project: Project, request: Request) -> Entry:
 
 def _measured(project: Project, given: Given, *, claimed: bool = False) -> Entry:
     with within(f'controller "{given.name}": '):
-        found = measure(
-            project.plant,
-            given.controller,
-            compute_delay=project.compute_delay,
-            requirements=project.requirements,
-            reference=project.reference,
-            law=GIVEN,
-            name=given.name,
-        )
+        found = _evidence(project, given)
     findings = check(given.claims, found) if claimed else ()
     return Entry(name=given.name, law=GIVEN, measured=found, findings=findings)
 
 
+def _evidence(project: Project, given: Given) -> Evidence:
+    if isinstance(project.plant, FrequencyResponse):
+        return measure_table(
+            project.plant,
+            given.controller,
+            compute_delay=project.compute_delay,
+            requirements=project.requirements,
+            law=GIVEN,
+            name=given.name,
+        )
+    return measure(
+        project.plant,
+        given.controller,
+        compute_delay=project.compute_delay,
+        requirements=project.requirements,
+        reference=project.reference,
+        law=GIVEN,
+        name=given.name,
+    )
+
+
 def to_dict(project: Project, entries: Sequence[Entry]) -> dict[str, Any]:
     """Return the JSON object of the contract; findings only where claims were checked."""
-    plant = sample(project.plant, project.dt, project.compute_delay)
     designs = []
     for entry in entries:
         findings = [f.to_dict() for f in entry.findings]
         designs.append(entry.to_dict() | ({"findings": findings} if findings else {}))
     return {
         "zoh": zoh.__version__,
-        "plant": {"num": list(plant.num), "den": list(plant.den), "dt": plant.dt},
+        "plant": _plant(project),
         "designs": designs,
         "warnings": list(warnings(project, entries)),
     }
 
 
+def _plant(project: Project) -> dict[str, Any]:
+    """Return the sampled plant; of a table there are no coefficients, but a band."""
+    if isinstance(project.plant, FrequencyResponse):
+        table = in_clock(project.plant, project.dt, project.compute_delay)
+        about = {"band": list(table.band), "points": len(table.w)}
+        return {"num": None, "den": None, "dt": project.dt, "frequency_response": about}
+    plant = sample(project.plant, project.dt, project.compute_delay)
+    return {"num": list(plant.num), "den": list(plant.den), "dt": plant.dt}
+
+
 def hidden_instability(project: Project) -> str | None:
     """Return a line on the modes that keep every loop of this plant unstable, None without any."""
+    if isinstance(project.plant, FrequencyResponse):
+        return None
     modes = [s for s in hidden_modes(project.plant).tolist() if s.real >= 0]
     if not modes:
         return None
@@ -149,7 +175,10 @@ def warnings(project: Project, entries: Sequence[Entry]) -> tuple[str, ...]:
     if left:
         said.append(f"not checked, nothing being given of them: {', '.join(left)}; run zoh design")
     for entry in entries:
-        step = None if entry.measured is None else entry.measured.step
+        if entry.measured is None:
+            continue
+        said += [f"{entry.name}: {sentence}" for sentence in entry.measured.margins.warnings]
+        step = entry.measured.step
         if step is not None and step.effort_range is not None:
             said += _saturation(project, entry.name, step.effort_range)
     return tuple(said)
@@ -160,7 +189,7 @@ def _saturation(project: Project, name: str, effort: tuple[float, float]) -> lis
 
     The reference of the file is in output units; the sensor turns it into what is compared.
     """
-    low, high = sorted(project.plant.sensor * u for u in effort)
+    low, high = sorted(project.sensor.gain * u for u in effort)
     unit = f" {project.input_unit}" if project.input_unit else ""
     ends = ((low, project.actuator.low, min), (high, project.actuator.high, max))
     return [

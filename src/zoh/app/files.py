@@ -1,7 +1,7 @@
 """The only place that reads and writes files: nothing half-read, nothing half-written."""
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 from zoh.app.toml import LONGEST
@@ -10,19 +10,33 @@ from zoh.errors import SpecError
 _READABLE = "must be a project file that can be read"
 
 
-def read_text(path: str) -> str:
+def read_text(path: str, argument: str = "FILE", bound: str = _READABLE) -> str:
     """Return the text of a file, or raise SpecError with the reason in one line."""
     try:
         with open(path, "rb") as file:
             data = file.read(4 * LONGEST + 1)  # a device without an end stops here, too
     except (OSError, ValueError) as e:  # ValueError: a name that no file can have
         reason = e.strerror if isinstance(e, OSError) and e.strerror else str(e)
-        raise SpecError("FILE", _READABLE, _end_of(path), reason.lower()) from None
+        raise SpecError(argument, bound, _end_of(path), reason.lower()) from None
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as e:
         way_out = f"save it as UTF-8 (byte {e.start} is none)"
-        raise SpecError("FILE", "must be UTF-8 text", _end_of(path), way_out) from None
+        raise SpecError(argument, "must be UTF-8 text", _end_of(path), way_out) from None
+
+
+def beside(project: str) -> Callable[[str], str]:
+    """Return a function that reads a file in the folder of the project file, or below it."""
+
+    def read(name: str) -> str:
+        argument = "plant.frequency_response"
+        if Path(name).is_absolute() or ".." in Path(name).parts:
+            bound = "must be in the folder of the project file or below it"
+            raise SpecError(argument, bound, name, "move it there")
+        path = str(Path(project).parent / name)
+        return read_text(path, argument, "must be a file that can be read")
+
+    return read
 
 
 def write_all(directory: str, files: Mapping[str, str | bytes], *, force: bool) -> None:

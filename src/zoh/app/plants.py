@@ -1,10 +1,11 @@
-"""The [plant] of a project file: five ways to say the same thing, one at a time."""
+"""The [plant] of a project file: five ways to say a model, one at a time; a table is a sixth."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import fields
 from typing import Any
 
 from zoh import checks
+from zoh.app.measured import KEYS as TABLE_KEYS
 from zoh.app.toml import Section, within
 from zoh.errors import SpecError
 from zoh.lti.joint import OUTPUTS, Joint, joint_plant
@@ -16,15 +17,21 @@ FORMS = {
     "zeros": ("zeros", "poles", "gain"),
     "A": ("A", "B", "C", "D"),
     "joint": ("joint",),
+    "frequency_response": TABLE_KEYS,
 }
-_OPTIONAL = ("zeros", "D")
-_WAYS = "model | num, den | zeros, poles, gain | A, B, C, D | [plant.joint]"
+_OPTIONAL = ("zeros", "D", *TABLE_KEYS)
+_WAYS = "model | num, den | zeros, poles, gain | A, B, C, D | [plant.joint] | frequency_response"
 KEYS = (
     *(key for keys in FORMS.values() for key in keys),
     "input_unit",
     "output_unit",
     "dead_time",
 )
+
+
+def is_table(section: Section) -> bool:
+    """Return whether the plant is a table; raise SpecError where it is a model, too."""
+    return TABLE_KEYS[0] in section.data and _form(section) == TABLE_KEYS[0]
 
 
 def read_plant(section: Section, sensor: float) -> Plant:

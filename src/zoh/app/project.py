@@ -3,16 +3,18 @@
 Every key is checked, an unknown one is an error, and a message has the full name of its key.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 
 from zoh import checks
 from zoh.app.claims import CLAIMS, Claim
 from zoh.app.kinds import KINDS
-from zoh.app.plants import output_unit, read_plant
+from zoh.app.measured import read_table
+from zoh.app.plants import is_table, output_unit, read_plant
 from zoh.app.toml import Literal, Section, tables, within
 from zoh.certificate import LAWS
 from zoh.errors import SpecError
+from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.parse import quotient
 from zoh.lti.systems import Plant, Sampled
 from zoh.spec import Crossover, Requirements
@@ -63,7 +65,7 @@ class Actuator:
 class Project:
     """A project file, checked.
 
-    plant          with its dead time and its sensor's gain
+    plant          with its dead time and its sensor's gain, a model or a table
     dt             s, sample time
     compute_delay  s, from sampling to output
     controllers    in the order of the file
@@ -71,7 +73,7 @@ class Project:
     input_unit, output_unit  for people; empty where the file does not say
     """
 
-    plant: Plant
+    plant: Plant | FrequencyResponse
     dt: float
     compute_delay: float
     controllers: tuple[Request | Given, ...]
@@ -83,8 +85,14 @@ class Project:
     output_unit: str
 
 
-def read(text: str) -> Project:
-    """Return the project that a TOML text describes.
+def nothing_attached(name: str) -> str:
+    """Refuse a file that a text names: there is no folder to look for it."""
+    bound = "must not name a file where there is no folder"
+    raise SpecError("plant.frequency_response", bound, name, "read the project from a file")
+
+
+def read(text: str, attached: Callable[[str], str] = nothing_attached) -> Project:
+    """Return the project that a TOML text describes; ``attached`` returns a file it names.
 
     >>> read("plant.model = '1/s'")
     Traceback (most recent call last):
@@ -95,8 +103,10 @@ def read(text: str) -> Project:
     if "plant" not in file.data:
         raise file.missing("plant", 'write [plant] and model = "1/(s + 1)" below it')
     sensor = _sensor(file.section("sensor"))
-    plant = read_plant(file.section("plant"), sensor.gain)
+    section = file.section("plant")
+    model = None if is_table(section) else read_plant(section, sensor.gain)
     dt, compute_delay = _sampling(file.section("sampling"))
+    plant = model or read_table(section, sensor.gain, dt, compute_delay, attached)
     reference = file.section("reference")
     reference.only(["step"])
     step = reference.number("step")

@@ -6,7 +6,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from zoh.analysis.verify import Measured
+from zoh.analysis.tabled.verify import Evidence
 from zoh.app.claims import UNITS
 from zoh.app.commands import Entry
 from zoh.report.text import facts, in_w, in_z, number
@@ -57,7 +57,7 @@ def _claims(entries: Sequence[Entry]) -> Table:
     return table
 
 
-def _block(measured: Sequence[Measured]) -> Table:
+def _block(measured: Sequence[Evidence]) -> Table:
     table = Table(box=None, padding=(0, 2, 0, 0), show_edge=False, pad_edge=False)
     table.add_column("", min_width=_LABEL - 2, no_wrap=True)
     for d in measured:

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import acos, cos, sin
 
-from zoh.design.target import Phases, Target, refusal
+from zoh.design.target import Phases, Response, Target, refusal
 from zoh.lti.systems import Sampled
 from zoh.spec import Crossover
 
@@ -58,7 +58,7 @@ def lag_phases(target: Target, dc_gain: float) -> Phases:
     return (-acos(1 / ratio), 0.0) if ratio > 1 else None
 
 
-def lead(plant: Sampled, spec: Crossover, dc_gain: float) -> FirstOrder:
+def lead(plant: Response, spec: Crossover, dc_gain: float) -> FirstOrder:
     """Return the lead of this gain at w = 0 whose loop crosses 1 at wc with the margin asked.
 
     With v, |G| and theta of ``Target``::
@@ -82,7 +82,7 @@ def lead(plant: Sampled, spec: Crossover, dc_gain: float) -> FirstOrder:
     return _corners(target, dc_gain)
 
 
-def lag(plant: Sampled, spec: Crossover, dc_gain: float) -> FirstOrder:
+def lag(plant: Response, spec: Crossover, dc_gain: float) -> FirstOrder:
     """Return the lag of this gain at w = 0 whose loop crosses 1 at wc with the margin asked.
 
     The equations are the lead's. Raises Infeasible unless -acos(1/(a0 |G|)) < theta < 0.

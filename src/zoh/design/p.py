@@ -13,7 +13,7 @@ from math import pi, radians, remainder, tau
 import numpy as np
 import numpy.typing as npt
 
-from zoh.design.target import Phases, Target, refusal
+from zoh.design.target import Phases, Response, Target, refusal
 from zoh.lti.poly import roots as poly_roots
 from zoh.lti.systems import Sampled
 from zoh.spec import Crossover
@@ -43,7 +43,7 @@ def phases(target: Target) -> Phases:
     return -_SAME, _SAME
 
 
-def solve(plant: Sampled, spec: Crossover) -> P:
+def solve(plant: Response, spec: Crossover) -> P:
     """Return kp = 1/|G(wc)|; raise Infeasible unless the plant alone has the margin there.
 
     >>> plant = Sampled(num=(1.0,), den=(1.0, -1.0), dt=1.0)

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import cos, pi, sin
 
-from zoh.design.target import Phases, Target, refusal
+from zoh.design.target import Phases, Response, Target, refusal
 from zoh.lti.systems import Sampled
 from zoh.spec import Crossover
 
@@ -38,7 +38,7 @@ def phases(target: Target) -> Phases:
     return -pi / 2, 0.0
 
 
-def solve(plant: Sampled, spec: Crossover) -> PI:
+def solve(plant: Response, spec: Crossover) -> PI:
     """Return the PI whose loop crosses 1 at ``spec.wc`` with margin ``spec.pm_deg``.
 
     With v, |G| and theta of ``Target``::

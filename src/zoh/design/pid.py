@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import acos, asin, atan, cos, hypot, pi, sin
 
-from zoh.design.target import Phases, Target, refusal
+from zoh.design.target import Phases, Response, Target, refusal
 from zoh.lti.systems import Sampled
 from zoh.spec import Crossover
 
@@ -56,7 +56,7 @@ def phases(target: Target, ki: float) -> Phases:
     return max(low, -acos(reach) - atan(x)), acos(reach) - atan(x)
 
 
-def solve(plant: Sampled, spec: Crossover, ki: float) -> PID:
+def solve(plant: Response, spec: Crossover, ki: float) -> PID:
     """Return the PID with this ki whose loop crosses 1 at ``spec.wc`` with ``spec.pm_deg``.
 
     With v, |G| and theta of ``Target``, and x = v dt/2::

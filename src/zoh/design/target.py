@@ -14,6 +14,7 @@ from cmath import phase
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil, degrees, floor, log10, pi, radians, remainder, tau
+from typing import Protocol
 
 from zoh.errors import Infeasible, SpecError
 from zoh.lti.poly import at
@@ -24,6 +25,17 @@ from zoh.spec import Crossover
 _CANCELLED = 1e-13  # of its terms: what is left of a polynomial at its own root, in floats
 
 Phases = tuple[float, float] | None  # an open interval in rad, None where a law can give nothing
+
+
+class Response(Protocol):
+    """What a law needs of a plant: its clock, and its complex gain at a frequency."""
+
+    @property
+    def dt(self) -> float:
+        """Return the sample time in s."""
+
+    def at(self, wc: float, /) -> complex:
+        """Return the gain at wc in rad/s."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,18 +54,12 @@ class Target:
     dt: float
 
     @classmethod
-    def of(cls, plant: Sampled, spec: Crossover) -> "Target":
+    def of(cls, plant: Response, spec: Crossover) -> "Target":
         """Return the target; raise SpecError where wc is not below Nyquist or G(wc) is no gain."""
         spec.below_nyquist(plant.dt)
         g, v = plant.at(spec.wc), warp(spec.wc, plant.dt)
-        for what, part in (("zero", plant.num_w), ("pole", plant.den_w)):
-            if abs(at(part, 1j * v)) <= _CANCELLED * at([abs(c) for c in part], v):
-                raise SpecError(
-                    "wc",
-                    f"must be where the plant has a gain, not at a {what} on the unit circle",
-                    spec.wc,
-                    "move wc away from it",
-                )
+        if isinstance(plant, Sampled):
+            _refuse_no_gain(plant, spec.wc, v)
         theta = remainder(radians(spec.pm_deg - 180) - phase(g), tau)
         return cls(v=v, size=abs(g), theta=theta, dt=plant.dt)
 
@@ -74,6 +80,17 @@ class Target:
         if low < -pi:
             return 180.0  # which is -180 deg, inside
         return degrees(high) if high > 0 else None
+
+
+def _refuse_no_gain(plant: Sampled, wc: float, v: float) -> None:
+    for what, part in (("zero", plant.num_w), ("pole", plant.den_w)):
+        if abs(at(part, 1j * v)) <= _CANCELLED * at([abs(c) for c in part], v):
+            raise SpecError(
+                "wc",
+                f"must be where the plant has a gain, not at a {what} on the unit circle",
+                wc,
+                "move wc away from it",
+            )
 
 
 def refusal(law: str, target: Target, spec: Crossover, phases: Phases, why: str) -> Infeasible:

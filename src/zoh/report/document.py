@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from matplotlib.figure import Figure
 
 from zoh.analysis.curves import trace
+from zoh.analysis.tabled.verify import Evidence, TableMeasured
 from zoh.analysis.verify import Measured
 from zoh.errors import ZohError
 from zoh.report import figures as fig
@@ -17,14 +18,15 @@ Files = dict[str, str | bytes]
 
 
 def comparison(
-    results: Sequence[Measured],
+    results: Sequence[Evidence],
     *,
     title: str = "Controllers side by side",
     refused: Sequence[tuple[str, ZohError]] = (),
 ) -> Files:
     """Return REPORT.md with its figures for designs that were measured and some refused.
 
-    ``refused`` holds (name, what was raised), shown below the table with its numbers.
+    ``refused`` holds (name, what was raised), shown below the table with its numbers. Loops of
+    tabled plants come without figures, and with what their margins rest on.
     """
     parts = [f"# {title}\n"]
     files: Files = {}
@@ -35,8 +37,11 @@ def comparison(
         parts.append("## Refused\n")
         parts += [f"- **{cell(name)}**: {error}." for name, error in refused]
         parts.append("")
-    if results:
-        pages, files = _figures(results)
+    tabled = [d for d in results if isinstance(d, TableMeasured)]
+    parts += [f"**{cell(d.name)}**: {note}.\n" for d in tabled for note in d.margins.warnings]
+    drawable = [d for d in results if isinstance(d, Measured)]
+    if drawable:
+        pages, files = _figures(drawable)
         parts.append(pages)
     return {"REPORT.md": "\n".join(parts), **files}
 

@@ -4,16 +4,17 @@ from collections.abc import Iterable, Mapping, Sequence
 from math import ceil, floor, inf, log10
 
 from zoh.analysis.results import StepInfo
-from zoh.analysis.verify import Measured
+from zoh.analysis.tabled.verify import Evidence, TableMeasured
 from zoh.lti import written
 from zoh.lti.poly import trim
 from zoh.lti.systems import Sampled
 from zoh.lti.written import fraction
 
 NOTHING = "-"  # a quantity that does not exist
+_VERDICTS = {True: "stable", False: "**unstable**", None: "**not decided**"}
 
 
-def design_table(results: Sequence[Measured]) -> str:
+def design_table(results: Sequence[Evidence]) -> str:
     """Return the comparison as a Markdown table, one column per design."""
     rows = zip(*(facts(d).items() for d in results), strict=True)
     head = ["", *(cell(d.name) for d in results)]
@@ -93,9 +94,9 @@ def horizon(steps: Iterable[StepInfo | None]) -> float:
     return ceil(longest / unit) * unit
 
 
-def _output_effort(d: Measured) -> Mapping[str, str]:
+def _output_effort(d: Evidence) -> Mapping[str, str]:
     """Return the effort where the reference counts output units, if those differ."""
-    if d.plant.sensor == 1:
+    if isinstance(d, TableMeasured) or d.plant.sensor == 1:
         return {}
     effort = d.step.peak_effort if d.step else None
     scaled = None if effort is None else effort * abs(d.plant.sensor)
@@ -109,7 +110,7 @@ def _settling(s: StepInfo | None) -> str:
     return s.settling
 
 
-def facts(d: Measured) -> Mapping[str, str]:
+def facts(d: Evidence) -> Mapping[str, str]:
     """Return every row of the comparison for one design."""
     m, s = d.margins, d.step
     between = s.between_samples if s is not None else None
@@ -119,7 +120,7 @@ def facts(d: Measured) -> Mapping[str, str]:
         "gains": cell(gains) or NOTHING,
         "D(z)": in_z(d.controller),
         "D(w)": in_w(d.controller),
-        "closed loop": "stable" if m.stable else "**unstable**",
+        "closed loop": _VERDICTS[m.stable],
         "crossover, rad/s": number(m.crossover),
         "phase margin, deg": number(m.phase_margin_deg),
         "gain margin, dB": number(m.gain_margin_db),

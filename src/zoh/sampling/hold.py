@@ -22,13 +22,16 @@ z-Transform Method (modified z-transform).
 from decimal import Decimal
 from functools import lru_cache
 from math import ceil, ulp
+from typing import overload
 
 from zoh import checks
 from zoh.errors import SpecError
 from zoh.lti import digits
 from zoh.lti.digits import Exact
+from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.systems import Plant, Sampled, sample_time
 from zoh.sampling.fixed import Ratio
+from zoh.sampling.images import sampled_table
 from zoh.sampling.response import FixedResponse, Scaled
 
 MAX_DELAY = 10_000  # samples; a loop that waits longer is not a feedback loop
@@ -36,20 +39,31 @@ _NOTHING = 256  # bits beyond all that was lost: no true coefficient is anywhere
 _NOW: Ratio = (0, 1)
 
 
-def sample(plant: Plant, dt: float, compute_delay: float = 0.0) -> Sampled:
+@overload
+def sample(plant: Plant, dt: float, compute_delay: float = 0.0) -> Sampled: ...
+@overload
+def sample(
+    plant: FrequencyResponse, dt: float, compute_delay: float = 0.0
+) -> FrequencyResponse: ...
+def sample(
+    plant: Plant | FrequencyResponse, dt: float, compute_delay: float = 0.0
+) -> Sampled | FrequencyResponse:
     """Return the plant behind a zero-order hold, seen once every dt seconds, sensor included.
 
     dt             s, above 0
     compute_delay  s, from sampling to output, added to the plant's dead time; any fraction of
                    dt, or more
 
-    Raises SpecError for a dt or a delay out of range.
+    A continuous table becomes a sampled one, by ``images``. Raises SpecError for a dt or a
+    delay out of range.
 
     >>> sample(Plant(num=[1], den=[1, 0]), dt=0.5)  # 1/s becomes dt/(z - 1)
     Sampled(num=(0.5,), den=(1.0, -1.0), dt=0.5)
     >>> sample(Plant(num=[1], den=[1, 0, 0]), dt=1.0, compute_delay=0.5)
     Sampled(num=(0.125, 0.75, 0.125), den=(1.0, -2.0, 1.0, 0.0), dt=1.0)
     """
+    if isinstance(plant, FrequencyResponse):
+        return sampled_table(plant, dt, compute_delay)
     if not isinstance(plant, Plant):
         raise SpecError("plant", "must be a zoh.Plant", plant, "sample a continuous plant")
     dt = sample_time(dt)

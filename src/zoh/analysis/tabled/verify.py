@@ -1,0 +1,248 @@
+"""What was asked against what a table shows.
+
+``TableMeasured`` is evidence about one loop of a controller and a tabled plant; ``TableVerified``
+is evidence that the table decides stability and that all that was asked is met, and cannot be
+built from anything less. It is a type of its own: a table shows margins and no responses, and
+what they rest on outside it is in ``margins.warnings``.
+"""
+
+from cmath import exp
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import log, radians
+from typing import Any
+
+from zoh.analysis.asked import missed
+from zoh.analysis.results import Gains, StepInfo
+from zoh.analysis.tabled.count import count
+from zoh.analysis.tabled.margins import table_margins
+from zoh.analysis.tabled.path import Path
+from zoh.analysis.tabled.results import TableMargins
+from zoh.analysis.verify import Measured
+from zoh.errors import NotMet, SpecError
+from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
+from zoh.lti.systems import Sampled, sample_time
+from zoh.lti.written import fraction, number
+from zoh.sampling.hold import sample
+from zoh.spec import Requirements
+
+_SAME_GAIN = 1e-6  # two roads to one gain; they differ by rounding, another loop by far more
+_NEVER_SHOWN = ("overshoot_pct", "rise_time", "settling_time", "steady_state_error", "peak_effort")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TableMeasured:
+    """One loop of a controller and a tabled plant, and what was measured of it.
+
+    plant, controller  as given; sampled is the plant's table behind its hold
+    compute_delay      s, from sampling to output, that the table does not have in it
+    law, gains, name   labels
+    misses             one sentence for each requirement missed; empty where all is met
+    """
+
+    name: str
+    law: str
+    gains: Mapping[str, float]
+    plant: FrequencyResponse
+    sampled: FrequencyResponse
+    controller: Sampled
+    compute_delay: float
+    requirements: Requirements
+    margins: TableMargins
+    misses: tuple[str, ...] = field(default=())
+
+    @property
+    def dt(self) -> float:
+        """Return the sample time in s."""
+        return self.controller.dt
+
+    @property
+    def loop(self) -> TabledLoop:
+        """Return the open loop, controller times table."""
+        return self.controller * self.sampled
+
+    @property
+    def step(self) -> StepInfo | None:
+        """Return None: a table in a band shows no step response."""
+        return None
+
+    @property
+    def met(self) -> bool:
+        """Return whether everything asked is met, stability first."""
+        return not self.misses
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON form, one entry of ``designs``."""
+        return {
+            "name": self.name,
+            "law": self.law,
+            "feasible": True,
+            "reason": None,
+            "gains": dict(self.gains),
+            "controller": {
+                "num": list(self.controller.num),
+                "den": list(self.controller.den),
+                "dt": self.dt,
+                "num_w": list(self.controller.num_w),
+                "den_w": list(self.controller.den_w),
+            },
+            "margins": self.margins.to_dict(),
+            "step": None,
+            "met": self.met,
+            "misses": list(self.misses),
+        }
+
+    def report(self) -> str:
+        """Return what was measured in a few lines."""
+        m = self.margins
+        gains = ", ".join(f"{k} = {number(v)}" for k, v in self.gains.items())
+        controller = fraction(self.controller.num, self.controller.den, "z")
+        verdict = {True: "stable", False: "UNSTABLE", None: "NOT DECIDED by the table"}[m.stable]
+        lines = [
+            f"{self.name}: {self.law}" + (f" with {gains}" if gains else ""),
+            f"  D(z) = {controller}, dt = {self.dt:g} s",
+            f"  closed loop {verdict}",
+            f"  phase margin {m.phase_margin_deg:.6g} deg at {_or_none(m.crossover)} rad/s,"
+            f" gain margin {m.gain_margin_db:.4g} dB at {_or_none(m.phase_crossover)} rad/s",
+            f"  delay margin {m.delay_margin:.4g} s, Ms {m.ms:.4g}, Mt {m.mt:.4g} in the table",
+        ]
+        lines += [f"  note: {sentence}" for sentence in m.warnings]
+        lines += [f"  MISSED: {miss}" for miss in self.misses]
+        return "\n".join(lines)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TableVerified(TableMeasured):
+    """A loop that its table shows to be stable and to meet every requirement."""
+
+    def __post_init__(self) -> None:
+        found = table_missed(self.requirements, self.margins)
+        if not self._evidence_holds():
+            found.append("the evidence is not this loop's")
+        if found or self.misses:
+            raise NotMet(tuple(found) or self.misses, self)
+
+    def _evidence_holds(self) -> bool:
+        """Return whether the loop, put together anew, is stable and crosses where it is said to."""
+        loop = self.controller * in_clock(self.plant, self.controller.dt, self.compute_delay)
+        if count(Path.of(loop)).unstable != 0:
+            return False
+        return all(
+            abs(loop.at(wc) + exp(1j * radians(pm_deg))) <= _SAME_GAIN
+            for wc, pm_deg in self.margins.gain_crossings
+        )
+
+
+Evidence = Measured | TableMeasured  # of a loop with a model, or with a table
+
+
+def measure_table(
+    plant: FrequencyResponse, controller: Sampled, *, compute_delay: float = 0.0,
+    requirements: Requirements | None = None, law: str = "given",
+    gains: Mapping[str, float] | None = None, name: str | None = None,
+) -> TableMeasured:  # fmt: skip
+    """Return everything that a plant's table shows of it under a controller in unity feedback.
+
+    A continuous table is put behind a hold with the controller's dt and the compute delay; a
+    sampled one has both in it. Raises SpecError for a wrong type or two clocks.
+    """
+    if not isinstance(plant, FrequencyResponse):
+        raise SpecError("plant", "must be a zoh.FrequencyResponse", plant, "zoh.measure has models")
+    if not isinstance(controller, Sampled):
+        raise SpecError("controller", "must be a zoh.Sampled", controller, "give num, den and dt")
+    asked = Requirements() if requirements is None else requirements
+    if not isinstance(asked, Requirements):
+        raise SpecError("requirements", "must be zoh.Requirements", asked, "Requirements(ms=1.8)")
+    sampled = in_clock(plant, controller.dt, compute_delay)
+    margins = table_margins(controller * sampled)
+    return TableMeasured(
+        name=name or law,
+        law=law,
+        gains=Gains(dict(gains or {})),
+        plant=plant,
+        sampled=sampled,
+        controller=controller,
+        compute_delay=compute_delay,
+        requirements=asked,
+        margins=margins,
+        misses=tuple(table_missed(asked, margins)),
+    )
+
+
+def verify_table(
+    plant: FrequencyResponse, controller: Sampled, *, compute_delay: float = 0.0,
+    requirements: Requirements | None = None, law: str = "given",
+    gains: Mapping[str, float] | None = None, name: str | None = None,
+) -> TableVerified:  # fmt: skip
+    """Return the loop as ``TableVerified``; raise NotMet, with the evidence, where it is not.
+
+    >>> table = FrequencyResponse(w=[0.5, 1, 2], magnitude=[2, 1, 0.5], phase_deg=[-90] * 3, dt=0.1)
+    >>> verify_table(table, Sampled(num=[1.0], den=[1.0], dt=0.1)).margins.crossover
+    1.0
+    >>> verify_table(table, Sampled(num=[9.0], den=[1.0], dt=0.1))
+    Traceback (most recent call last):
+    zoh.errors.NotMet: not met: the table does not decide stability: |L| may be as large as 4.5 ...
+    """
+    evidence = measure_table(
+        plant, controller, compute_delay=compute_delay, requirements=requirements, law=law,
+        gains=gains, name=name,
+    )  # fmt: skip
+    return table_verified(evidence)
+
+
+def table_verified(evidence: TableMeasured) -> TableVerified:
+    """Return the evidence as ``TableVerified``, or raise NotMet that carries it."""
+    if evidence.misses:
+        raise NotMet(evidence.misses, evidence)
+    return TableVerified(**{f: getattr(evidence, f) for f in TableMeasured.__slots__})
+
+
+def in_clock(plant: FrequencyResponse, dt: float, compute_delay: float) -> FrequencyResponse:
+    """Return the plant's table as the controller sees it, once every dt seconds."""
+    if plant.dt is None:
+        return sample(plant, dt, compute_delay)
+    if sample_time(dt) != plant.dt:
+        raise SpecError("dt", f"must be the table's {plant.dt!r} s", dt, "it was measured so")
+    if compute_delay != 0:
+        way_out = "leave it out"
+        raise SpecError(
+            "compute_delay", "must be 0: a sampled table has its delay", compute_delay, way_out
+        )
+    return plant
+
+
+def table_missed(asked: Requirements, margins: TableMargins) -> list[str]:
+    """Return a sentence for each requirement that the table does not show to be met."""
+    if margins.stable is None:
+        return [margins.warnings[0]]
+    found = missed(asked, margins, None)
+    if not margins.stable:
+        return found
+    found += [
+        f"{name} is asked, and a table of margins does not show it"
+        for name in _NEVER_SHOWN
+        if getattr(asked, name) is not None
+    ]
+    return found or _missed_beyond(asked, margins)
+
+
+def _missed_beyond(asked: Requirements, margins: TableMargins) -> list[str]:
+    """Return what is met in the band and may be missed outside it, by the bounds there are."""
+    beyond = margins.beyond
+    decibels = 20 * abs(log(beyond.gain_margin)) / log(10)
+    rows = (
+        ("gain_margin_db", asked.gain_margin_db, decibels, True),
+        ("pm_deg", asked.pm_deg, beyond.phase_margin_deg, True),
+        ("ms", asked.ms, beyond.ms, False),
+        ("mt", asked.mt, beyond.mt, False),
+    )
+    return [
+        f"{name} must be at {'least' if at_least else 'most'} {bound:g}, which the table meets; "
+        f"outside its band no more than {value:.4g} is known"
+        for name, bound, value, at_least in rows
+        if bound is not None and (value < bound if at_least else value > bound)
+    ]
+
+
+def _or_none(value: float | None) -> str:
+    return "no" if value is None else f"{value:.6g}"

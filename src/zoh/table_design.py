@@ -1,0 +1,133 @@
+"""Laws designed on a table: the same closed forms, measured on the same table.
+
+A law asks a plant for one complex gain; where that comes from a table the margin at wc is exact
+for the curve between its points. What the table does not show is not designed for, and refused.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import radians, remainder, tau
+
+import numpy as np
+
+from zoh.analysis.crossings import sign_changes
+from zoh.analysis.tabled.count import count
+from zoh.analysis.tabled.margins import Seen
+from zoh.analysis.tabled.path import Path
+from zoh.analysis.tabled.verify import (
+    TableMeasured,
+    TableVerified,
+    in_clock,
+    measure_table,
+    table_verified,
+)
+from zoh.certificate import SolvedLaw, advised, not_as_asked, off_target, solved
+from zoh.design import p as p_law
+from zoh.design.target import Target
+from zoh.errors import Infeasible, NotMet
+from zoh.lti.frequency_response import FrequencyResponse
+from zoh.lti.systems import Sampled
+from zoh.spec import Crossover, Requirements
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Clocked:
+    """A sampled table as a law sees it: dt in s, and a gain at a frequency."""
+
+    table: FrequencyResponse
+    dt: float
+
+    def at(self, wc: float) -> complex:
+        """Return the gain at wc in rad/s; SpecError outside the table."""
+        return self.table.at(wc)
+
+
+def design_on_table(
+    plant: FrequencyResponse, law: str, parameters: Mapping[str, float], *, dt: float,
+    compute_delay: float, requirements: Requirements, name: str | None = None,
+) -> TableVerified:  # fmt: skip
+    """Return the verified design of ``law`` on a table; its parameters are checked already.
+
+    Raises SpecError where wc is outside the table, Infeasible where the law cannot, with what
+    could in the table's band, NotMet where the table does not show what was asked.
+    """
+    plant_seen = Clocked(table=in_clock(plant, dt, compute_delay), dt=dt)
+
+    def measured(found: SolvedLaw) -> TableMeasured:
+        return measure_table(
+            plant, found.controller, compute_delay=compute_delay, requirements=requirements,
+            law=law, gains=found.gains, name=name,
+        )  # fmt: skip
+
+    def checked(found: SolvedLaw, spec: Crossover | None) -> TableVerified:
+        evidence = measured(found)
+        off = not_as_asked(evidence.margins, spec)
+        if off:
+            raise NotMet((*evidence.misses, *off), evidence)
+        return table_verified(evidence)
+
+    if law == "p" and len(parameters) == 1:
+        return _free_p(plant_seen, parameters, checked)
+    spec = Crossover(wc=parameters["wc"], pm_deg=parameters["pm_deg"])
+    try:
+        return checked(solved(law, plant_seen, spec, parameters), spec)
+    except Infeasible as refused:
+        raise _advised(refused, law, plant_seen, spec, parameters) from None
+
+
+def _advised(
+    refused: Infeasible, law: str, plant: Clocked, spec: Crossover, parameters: Mapping[str, float]
+) -> Infeasible:
+    def holds(controller: Sampled, at: Crossover) -> bool:
+        path = Path.of(controller * plant.table)
+        return count(path).unstable == 0 and not off_target(Seen.of(path), at)
+
+    return advised(refused, law, plant, spec, parameters, holds)
+
+
+def _free_p(
+    plant: Clocked,
+    parameters: Mapping[str, float],
+    checked: Callable[[SolvedLaw, Crossover | None], TableVerified],
+) -> TableVerified:
+    """Return the P of a crossover alone, or of a margin alone: there the fastest that holds."""
+
+    def gain(wc: float) -> SolvedLaw:
+        target = Target.of(plant, Crossover(wc=wc, pm_deg=90.0))
+        law = p_law.P(kp=1 / target.size, dt=plant.dt)
+        return SolvedLaw(controller=law.controller(), gains=law.gains)
+
+    if "wc" in parameters:
+        return checked(gain(parameters["wc"]), None)
+    pm_deg = Crossover(wc=1.0, pm_deg=parameters["pm_deg"]).pm_deg
+    failure: NotMet | None = None
+    for wc in reversed(_crossovers(plant.table, pm_deg)):
+        try:
+            return checked(gain(wc), Crossover(wc=wc, pm_deg=pm_deg))
+        except NotMet as missed:
+            failure = failure or missed
+    if failure is not None:
+        raise failure
+    turns = (pm_deg - plant.table.phase_deg) % 360.0 - 180.0
+    raise Infeasible(
+        f"a P turns the phase by nothing, and the plant alone has a margin of {pm_deg:g} deg "
+        "at no frequency of its table",
+        needed_deg=float(turns[np.argmin(np.abs(turns))]),
+    )
+
+
+def _crossovers(table: FrequencyResponse, pm_deg: float) -> list[float]:
+    """Return every wc in rad/s below Nyquist's at which the plant alone has this margin."""
+    asked = radians(pm_deg - 180)
+
+    def off(w: float) -> float:
+        return float(np.sin(table.turn.at(np.log(w)) - asked))
+
+    signs = np.sign(np.sin(table.turn.y - asked))
+    found = sign_changes(off, table.w, signs)
+    exact = [float(w) for w, s in zip(table.w, signs, strict=True) if s == 0]
+    return sorted(w for w in {*found, *exact} if abs(remainder(_angle(table, w) - asked, tau)) < 1)
+
+
+def _angle(table: FrequencyResponse, w: float) -> float:
+    return float(table.turn.at(np.log(w)))
