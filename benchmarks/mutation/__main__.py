@@ -78,6 +78,8 @@ def _verdicts(tests: Tests, recorded: Recorded, chosen: list[Mutant], most: floa
             verdict, killer = UNTESTED, ""
         _say(f"{i}/{len(chosen)} {time.monotonic() - start:.0f} s {mutant.name}: "
              f"{WORDS[verdict]} {killer}")  # fmt: skip
+        if verdict in (SURVIVED, UNTESTED):
+            print(f"\n{mutant.name}: {WORDS[verdict]}\n{mutant.diff()}", flush=True)
         yield mutant, verdict
 
 
@@ -96,8 +98,6 @@ def _report(done: dict[Mutant, int]) -> None:
     counts: dict[Path, Counter[int]] = defaultdict(Counter)
     for mutant, verdict in done.items():
         counts[mutant.file][verdict] += 1
-        if verdict in (SURVIVED, UNTESTED):
-            print(f"\n{mutant.name}: {WORDS[verdict]}\n{mutant.diff()}")
     print(f"\n{'module':30}  mutants  killed  timed out  survived  untested   score")
     total = sum(counts.values(), Counter())
     for file, count in [*counts.items(), (Path("all"), total)]:

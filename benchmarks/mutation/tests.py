@@ -19,7 +19,6 @@ from types import CodeType, FunctionType, ModuleType
 
 import coverage
 import pytest
-
 from benchmarks.mutation.mutants import Mutant
 
 KILLED, SURVIVED, TIMEOUT = 1, 0, 124
