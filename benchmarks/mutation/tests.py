@@ -1,8 +1,9 @@
 """The tests, collected once; a mutant runs in a forked copy of the process that holds them.
 
 The code of the mutated function takes the place of the original's in the copy, so neither
-imports nor collection are paid again: a mutant costs what its tests cost until one fails. The
-parent never runs a test, so that nothing remembers a result of the unchanged code.
+imports nor collection are paid again: a mutant costs what its tests cost until one fails. Only
+where a constant of a module changes, all modules are imported again. The parent never runs a
+test, so that nothing remembers a result of the unchanged code.
 """
 
 import importlib
@@ -14,6 +15,7 @@ import sys
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 
@@ -22,6 +24,7 @@ import pytest
 from benchmarks.mutation.mutants import Mutant
 
 KILLED, SURVIVED, TIMEOUT = 1, 0, 124
+OPTIONS = ["-o", "addopts=--doctest-modules", "-p", "no:cacheprovider", "-p", "no:terminal"]
 _MEMORY = 4 << 30  # bytes; a mutant may ask for any number of digits
 
 
@@ -54,8 +57,7 @@ class Tests:
     def serve(self, serve: Callable[[], None]) -> int:
         """Collect, then call ``serve`` inside pytest's session instead of running the tests."""
         self._serve = serve
-        options = ["-o", "addopts=--doctest-modules", "-p", "no:cacheprovider", "-p", "no:terminal"]
-        return int(pytest.main([*options, *self._paths], plugins=[self]))
+        return int(pytest.main([*OPTIONS, *self._paths], plugins=[self]))
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
@@ -116,11 +118,12 @@ class Tests:
     def _in_child(self, mutant: Mutant, names: list[str], seconds: float, writer: int) -> int:
         signal.setitimer(signal.ITIMER_REAL, seconds)  # its default is to end the process
         resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
-        try:
-            install(mutant)
-        except Exception as error:  # what cannot be imported is seen by every test
-            os.write(writer, f"import: {error!r}".encode())
-            return KILLED
+        if not mutant.owner:
+            import_again(mutant)
+            # a file that is named itself is imported by pytest, out of reach of import_again
+            named = [name for name in names if not name.startswith("src/")]
+            return KILLED if pytest.main([*OPTIONS, "-x", *named]) else SURVIVED
+        install(mutant)
         for name in names:
             if self._fails(name):
                 os.write(writer, name.encode())
@@ -138,13 +141,26 @@ def install(mutant: Mutant) -> None:
     """Put the mutant's code in the place of the original's, in this process."""
     package = mutant.file.resolve().parts
     name = ".".join((*package[package.index("zoh") : -1], mutant.file.stem))
-    module = importlib.import_module(name)
-    code = compile(mutant.code, str(mutant.file), "exec", dont_inherit=True)
-    if mutant.owner:
-        function = _function(module, mutant.owner)
-        function.__code__ = _code(code, mutant.owner.split("."))
-    else:
-        _replace_constants(module, code)
+    function = _function(importlib.import_module(name), mutant.owner)
+    function.__code__ = _code(_compiled(mutant), mutant.owner.split("."))
+
+
+def _compiled(mutant: Mutant) -> CodeType:
+    return compile(mutant.code, str(mutant.file), "exec", dont_inherit=True)
+
+
+def import_again(mutant: Mutant) -> None:
+    """Forget every module of this repository; the mutant is what will be imported next."""
+    here, whole = str(Path.cwd()), SourceFileLoader.get_code
+    for name, module in list(sys.modules.items()):
+        if (getattr(module, "__file__", None) or "").startswith(here):
+            del sys.modules[name]
+
+    def get_code(self: SourceFileLoader, name: str) -> CodeType | None:
+        changed = Path(self.path) == mutant.file.resolve()
+        return _compiled(mutant) if changed else whole(self, name)
+
+    SourceFileLoader.get_code = get_code
 
 
 def _function(module: ModuleType, owner: str) -> FunctionType:
@@ -160,18 +176,3 @@ def _code(code: CodeType, path: list[str]) -> CodeType:
     for part in path:
         code = next(c for c in code.co_consts if isinstance(c, CodeType) and c.co_name == part)
     return code
-
-
-def _replace_constants(module: ModuleType, code: CodeType) -> None:
-    """Give every module of the package the changed values of this module's constants."""
-    fresh = dict.fromkeys(("__name__", "__file__", "__package__"))
-    fresh = {key: vars(module)[key] for key in fresh}
-    exec(code, fresh)
-    old = {k: v for k, v in vars(module).items() if not k.startswith("__") and not callable(v)}
-    for key, before in old.items():
-        after = fresh.get(key)
-        if isinstance(before, ModuleType) or after == before:
-            continue
-        for name, other in list(sys.modules.items()):
-            if name.startswith("zoh") and vars(other).get(key) is before:
-                setattr(other, key, after)

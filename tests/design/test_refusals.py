@@ -4,7 +4,7 @@ The integrator 1/(z - 1) has there |G| = 1/sqrt 2, arg G = -135 deg, v = 2 and x
 45 deg of margin without a law, and a law needs a gain of sqrt 2 = 1.414.
 """
 
-from math import degrees, pi, radians, sqrt
+from math import pi, radians, sqrt
 
 import pytest
 
@@ -247,37 +247,3 @@ def test_the_nearest_is_looked_for_below_nyquist_alone():
     # outwards from wc, a step down before a step up, 3 % at a time
     assert asked[:4] == pytest.approx([1 / 1.03, 1.03, 1.03**-2, 1.03**2], rel=1e-14)
     assert min(asked) == pytest.approx(1e-3, rel=0.2)  # "down to wc/1000": where steps end
-
-
-# P: where the plant has the margin by itself
-
-
-def test_the_crossovers_of_a_plant_with_delay_by_hand():
-    # z^-2/(z - 1), dt = 1: arg G = -90 deg - wc/2 - 2 wc, which is -170 deg at 2.5 wc = 80 deg,
-    # and at 2.5 wc = 440 deg once more, just below Nyquist
-    plant = Sampled(num=(1.0,), den=(1.0, -1.0, 0.0, 0.0), dt=1.0)
-    got = p.crossovers(plant, 10.0)
-    assert got == pytest.approx([radians(176), radians(32)], rel=1e-14)
-
-
-def test_a_jump_of_the_wrapped_phase_is_no_crossover():
-    plant = Sampled(num=(1.0,), den=(1.0, -0.5, 0.0), dt=1.0)
-    got = p.crossovers(plant, 90.0)
-    # z^-1/(z - 1/2) falls from 0 to -360 deg; at -270 deg the angle off the one asked for jumps.
-    # At -90 deg: w + arg(e^jw - 1/2) = 90 deg, Re e^jw (e^jw - 1/2) = 0:
-    # 2 c^2 - c/2 - 1 = 0
-    cosine = (0.5 + sqrt(0.25 + 8)) / 4
-    assert got == pytest.approx([_acos(cosine)], rel=1e-13)
-
-
-def test_a_resonance_that_turns_the_phase_in_a_hair_is_seen():
-    # poles at radius 1 - 1e-7 and 1 rad: the phase falls by 180 deg within 1e-6 rad/s of it
-    r, c = 1 - 1e-7, 0.5403023058681398  # cos 1
-    plant = Sampled(num=(1.0, 0.0), den=(1.0, -2 * r * c, r * r), dt=1.0)
-    got = p.crossovers(plant, 90.0)
-    assert len(got) == 1
-    assert got[0] == pytest.approx(1.0, abs=1e-6)  # within the width of the resonance
-
-
-def test_degrees_and_radians_are_not_mixed():
-    assert degrees(Target.of(INTEGRATOR, at_j(60)).theta) == pytest.approx(15, abs=1e-12)

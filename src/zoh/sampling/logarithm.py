@@ -21,7 +21,7 @@ from zoh.lti import poly
 from zoh.lti.digits import Exact
 from zoh.sampling.algebra import Element, Ring, from_power_sums, power_sums
 
-_ZERO, _ONE = Decimal(0), Decimal(1)
+_ONE = Decimal(1)
 _SHORT = 0.125  # artanh's series is summed up to here: two terms for three digits and a half
 _STEPS = 400  # of Newton's square root: enough for z = 1e-200, or for 1e-100 rad off the axis
 
