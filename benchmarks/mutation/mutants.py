@@ -31,14 +31,21 @@ class Mutant:
     code: str
 
     @property
+    def place(self) -> str:
+        """The file's name and the function's."""
+        return f"{self.file.stem}.{self.owner or '<module>'}"
+
+    @property
     def name(self) -> str:
-        return f"{self.file.stem}.{self.owner or '<module>'} #{self.number}"
+        """The place, and which of the file's mutants it is."""
+        return f"{self.place} #{self.number}"
 
     def diff(self) -> str:
         """Return the lines taken away and put in their place."""
         old, new = self.file.read_text().splitlines(), self.code.splitlines()
         changed = difflib.unified_diff(old, new, n=0, lineterm="")
-        return "\n".join(line for line in list(changed)[2:] if not line.startswith("@@"))
+        lines = (line for line in list(changed)[2:] if not line.startswith("@@"))
+        return "\n".join(line.rstrip() for line in lines if len(line) > 1)
 
 
 def mutants(file: Path) -> Iterator[Mutant]:

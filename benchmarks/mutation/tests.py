@@ -21,9 +21,10 @@ from types import CodeType, FunctionType, ModuleType
 
 import coverage
 import pytest
+from _pytest.runner import runtestprotocol
 from benchmarks.mutation.mutants import Mutant
 
-KILLED, SURVIVED, TIMEOUT = 1, 0, 124
+KILLED, SURVIVED, TIMEOUT, BROKEN = 1, 0, 124, 125
 OPTIONS = ["-o", "addopts=--doctest-modules", "-p", "no:cacheprovider", "-p", "no:terminal"]
 _MEMORY = 4 << 30  # bytes; a mutant may ask for any number of digits
 
@@ -98,25 +99,30 @@ class Tests:
 
     def _fails(self, name: str) -> bool:
         """Run one test and return whether it or its fixtures failed."""
-        item = self._items[name]
-        reports = _protocol(item)
+        reports = runtestprotocol(self._items[name], log=False, nextitem=None)
         return any(report.failed for report in reports)
 
     def verdict(self, mutant: Mutant, names: list[str], seconds: float) -> tuple[int, str]:
-        """Return how the mutant fares, and the test that killed it; ``seconds`` is the limit."""
+        """Return how the mutant fares, and what killed it; ``seconds`` of the processor at most."""
         reader, writer = os.pipe()
         if not (child := os.fork()):
-            os._exit(self._in_child(mutant, names, seconds, writer))
+            code = BROKEN
+            try:
+                code = self._in_child(mutant, names, seconds, writer)
+            finally:
+                os._exit(code)
         os.close(writer)
         with os.fdopen(reader, "r") as back:
             killer = back.read()
         _, status = os.waitpid(child, 0)
         if os.WIFSIGNALED(status):
             return TIMEOUT, "time limit"
-        return (KILLED if os.WEXITSTATUS(status) else SURVIVED), killer
+        if (code := os.WEXITSTATUS(status)) == BROKEN:
+            raise RuntimeError(f"{mutant.name} could not be run")
+        return code, killer
 
     def _in_child(self, mutant: Mutant, names: list[str], seconds: float, writer: int) -> int:
-        signal.setitimer(signal.ITIMER_REAL, seconds)  # its default is to end the process
+        signal.setitimer(signal.ITIMER_PROF, seconds)  # its signal ends the process
         resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
         if not mutant.owner:
             import_again(mutant)
@@ -129,12 +135,6 @@ class Tests:
                 os.write(writer, name.encode())
                 return KILLED
         return SURVIVED
-
-
-def _protocol(item: pytest.Item) -> list[pytest.TestReport]:
-    from _pytest.runner import runtestprotocol
-
-    return runtestprotocol(item, log=False, nextitem=None)
 
 
 def install(mutant: Mutant) -> None:
