@@ -192,8 +192,9 @@ def test_phases_by_hand():
     for ki in (2.9, 3.0):  # asin k = 90 deg at sqrt 8 = 2.83, and none is needed above
         turn = [-_acos(ki / 4) - pi / 4, _acos(ki / 4) - pi / 4]
         assert pid.phases(target, ki) == pytest.approx(turn, abs=1e-14)
-    assert first_order.lead_phases(target, sqrt(2)) is None  # a0 |G| = 1
-    assert first_order.lag_phases(target, sqrt(2) * (1 - 1e-15)) is None
+    half = Target(v=2.0, size=0.5, theta=0.1, dt=1.0)  # a0 |G| = 1 is neither above nor below
+    assert first_order.lead_phases(half, 2.0) is None
+    assert first_order.lag_phases(half, 2.0) is None
     assert first_order.lead_phases(target, 1.0) == pytest.approx((0, pi / 4), abs=1e-15)
     assert first_order.lag_phases(target, 2.0) == pytest.approx((-pi / 4, 0), abs=1e-15)
 
