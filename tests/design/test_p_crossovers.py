@@ -1,6 +1,6 @@
 """Where a plant has a margin by itself: every crossover a P can use, the fastest first."""
 
-from math import acos, atan, pi, radians, sqrt, tan
+from math import acos, atan, nextafter, pi, radians, sqrt, tan
 
 import numpy as np
 import pytest
@@ -54,6 +54,18 @@ def test_a_resonance_that_turns_the_phase_in_a_hair_is_seen():
     assert got[0] == pytest.approx(1.0, abs=1e-6)  # within the width of the resonance
 
 
+def test_the_last_interval_before_nyquist_is_searched_too():
+    # -90 deg - wc/2 is -180 deg + pm at wc = 180 deg - 2 pm; the last two frequencies have
+    # margins of atan(1e-3) = 0.05730 deg and 4 % more
+    assert p.crossovers(INTEGRATOR, 0.0585) == pytest.approx([radians(180 - 0.117)], rel=1e-14)
+
+
+def test_a_root_at_an_end_or_in_the_middle_is_that_float():
+    assert p._root(lambda x: x - 1, 0.5, 1.0) == 1.0
+    assert p._root(lambda x: x - 1, 0.0, 2.0) == 1.0
+    assert p._root(lambda x: 1 - x, 1.0, 2.0) == nextafter(1.0, 2.0)
+
+
 # looked_at: sixty a decade, a thousandth below the least corner and a thousand times the largest
 
 
@@ -69,8 +81,8 @@ def test_the_corners_are_surrounded(dt):
 
 
 def test_all_lies_between_zero_and_nyquist():
-    # a corner at w = 1e9 is farther than any frequency below Nyquist
-    plant = Sampled(num=(1.0, 1.0 - 1e-9), den=(1.0, -1.0), dt=1.0)
+    # a corner at w = 4e15: a thousand times that is Nyquist itself in floats
+    plant = Sampled(num=(1.0, 1.0 - 1e-15), den=(1.0, -1.0), dt=1.0)
     wc = p.looked_at(plant)
     assert 0 < wc[0]
     assert wc[-1] < pi
@@ -91,7 +103,7 @@ def test_the_turns_of_a_delay_are_followed():
     # radian a step
     late = sample(Plant(num=[1], den=[1, 1], dead_time=0.49), dt=0.01)
     widest = np.diff(p.looked_at(late)).max() * 0.01 * 50
-    assert 0.9 * pi / 32 < widest <= pi / 32 * (1 + 1e-9)
+    assert widest == pytest.approx(pi / 32, rel=1e-12)
 
 
 def test_a_crossover_at_a_point_that_is_looked_at_is_found_once():

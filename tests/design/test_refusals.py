@@ -119,6 +119,13 @@ def test_a_refusal_says_what_the_law_gives_and_what_is_needed(solve, more, pm_de
     assert refused.value.needed_deg == pytest.approx(pm_deg - 45, abs=1e-12)
 
 
+def test_the_largest_integral_gain_is_that_of_the_clock():
+    # dt/(z - 1): |G| = dt/sqrt 2 and v = 2/dt at z = j, so 4/dt^2 = 16 in the place of 4
+    fast = Sampled(num=(0.5,), den=(1.0, -1.0), dt=0.5)
+    with pytest.raises(Infeasible, match="its ki must be below 16;"):
+        pid.solve(fast, Crossover(wc=pi, pm_deg=60), ki=17.0)
+
+
 @pytest.mark.parametrize(
     ("what", "num", "den"),
     [
@@ -155,6 +162,7 @@ def test_a_zero_beside_the_crossover_is_no_zero_at_it():
         (20, (0, 45), 85),
         (-110, (0, 45), 180),  # 170 ... 215 deg passes 180
         (-110, (-45, 10), 180),  # 125 ... 180 deg, approached
+        (-130, (-15, 45), 180),  # 175 ... 235 deg
         (-130, (0, 45), None),  # 190 ... 235 deg are -170 ... -125: none above 0
         (60, (-30, 0), None),  # ends at 0
         (60, (-30, 1), 1),
@@ -189,6 +197,8 @@ def test_phases_by_hand():
     # k = ki/sqrt 8: the sine ends at k = 1, the cosine's reach k/sqrt 2 = ki/4 at ki = 4
     assert pid.phases(target, 4.0) is None
     assert pid.phases(target, 3.999) is not None
+    # x = 3/4, k = 5/3: the reach is (3/4)(5/3)/(5/4) = 1
+    assert pid.phases(Target(v=1.5, size=1.0, theta=0.1, dt=1.0), 2.5) is None
     for ki in (2.9, 3.0):  # asin k = 90 deg at sqrt 8 = 2.83, and none is needed above
         turn = [-_acos(ki / 4) - pi / 4, _acos(ki / 4) - pi / 4]
         assert pid.phases(target, ki) == pytest.approx(turn, abs=1e-14)

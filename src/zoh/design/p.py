@@ -90,7 +90,7 @@ def looked_at(plant: Sampled) -> npt.NDArray[np.float64]:
     around = np.abs(roots.imag)[:, None] + np.abs(roots.real)[:, None] * np.linspace(-4, 4, 33)
     v = np.concatenate([even, around.ravel()])
     turns = np.linspace(0, pi / plant.dt, 32 * (plant.delay + 1), endpoint=False)
-    wc = np.concatenate([2 / plant.dt * np.arctan(v[v > 0] * plant.dt / 2), turns[1:]])
+    wc = np.concatenate([2 / plant.dt * np.arctan(v * plant.dt / 2), turns[1:]])
     return np.unique(wc[(wc > 0) & (wc < pi / plant.dt)])
 
 
