@@ -20,11 +20,18 @@ from benchmarks.mutation import survivors  # noqa: E402
 from benchmarks.mutation.mutants import Mutant, mutants  # noqa: E402
 from benchmarks.mutation.tests import KILLED, SURVIVED, TIMEOUT, Recorded, Tests  # noqa: E402
 
-# The tests that are asked about a room: its own, and those of what is built on it.
+# The tests that are asked about a room, or about one of its files: its own, and those of what is
+# built on it.
 TESTS = {
     "design": ["tests/design", "src/zoh/design", "tests/test_pipeline.py"],
     "sampling": ["tests/sampling", "src/zoh/sampling"],
-    "analysis": ["tests/analysis", "src/zoh/analysis", "tests/test_pipeline.py"],
+    "sampling/between": ["tests/analysis", "src/zoh/sampling"],
+    "analysis": [
+        "tests/analysis",
+        "src/zoh/analysis",
+        "tests/test_pipeline.py",
+        "tests/torture/test_torture.py::test_zoh_has_nothing_wrong",
+    ],
 }
 UNTESTED, EXPLAINED = -1, -2
 WORDS = {
@@ -45,8 +52,7 @@ def main() -> int:
         chosen = [m for m in chosen if m.name in names]
     if options.sample < 1:
         chosen = random.Random(options.seed).sample(chosen, round(options.sample * len(chosen)))
-    rooms = sorted({file.parent.name for file in files})
-    tests = Tests(dict.fromkeys(path for room in rooms for path in TESTS[room]))
+    tests = Tests(dict.fromkeys(path for file in files for path in _asked(file)))
     counts: dict[Path, Counter[int]] = defaultdict(Counter)
 
     def serve() -> None:
@@ -61,6 +67,11 @@ def main() -> int:
         return code
     _print_table(counts)
     return int(any(count[SURVIVED] + count[UNTESTED] for count in counts.values()))
+
+
+def _asked(file: Path) -> list[str]:
+    room = file.parent.name
+    return TESTS.get(f"{room}/{file.stem}", TESTS[room])
 
 
 def _options() -> Namespace:
