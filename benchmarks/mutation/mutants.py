@@ -16,7 +16,7 @@ from mutmut.mutation.mutators import mutation_operators
 from mutmut.mutation.pragma_handling import get_ignored_lines
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Mutant:
     """One change of one file.
 
@@ -28,7 +28,14 @@ class Mutant:
     number: int
     owner: str
     lines: range
-    code: str
+    module: cst.Module
+    before: cst.CSTNode
+    after: cst.CSTNode
+
+    @property
+    def code(self) -> str:
+        """The whole file, changed."""
+        return self.module.deep_replace(self.before, self.after).code
 
     @property
     def place(self) -> str:
@@ -59,13 +66,14 @@ def mutants(file: Path) -> Iterator[Mutant]:
         above = list(_up(mutation.original_node, parent))
         statement = next(n for n in above if isinstance(n, cst.BaseStatement | cst.Module))
         span = place[statement]
-        changed = module.deep_replace(mutation.original_node, mutation.mutated_node)
         yield Mutant(
             file=file,
             number=number,
             owner=_owner(above),
             lines=range(span.start.line, span.end.line + 1),
-            code=changed.code,
+            module=module,
+            before=mutation.original_node,
+            after=mutation.mutated_node,
         )
 
 
