@@ -71,7 +71,9 @@ def crossovers(plant: Sampled, pm_deg: float) -> list[float]:
     wc = looked_at(plant)
     value = np.remainder(np.angle(plant.at(wc)) - radians(pm_deg - 180) + pi, tau) - pi
     # a jump of the wrapped angle from +pi to -pi is no root
-    flips = np.flatnonzero((value[1:] * value[:-1] <= 0) & (np.abs(value[1:] - value[:-1]) < pi))
+    flips = np.flatnonzero(
+        ((value[1:] >= 0) != (value[:-1] >= 0)) & (np.abs(value[1:] - value[:-1]) < pi)
+    )
     return sorted((_root(off, float(wc[i]), float(wc[i + 1])) for i in flips), reverse=True)
 
 
@@ -88,15 +90,15 @@ def looked_at(plant: Sampled) -> npt.NDArray[np.float64]:
     around = np.abs(roots.imag)[:, None] + np.abs(roots.real)[:, None] * np.linspace(-4, 4, 33)
     v = np.concatenate([even, around.ravel()])
     turns = np.linspace(0, pi / plant.dt, 32 * (plant.delay + 1), endpoint=False)
-    wc = np.concatenate([2 / plant.dt * np.arctan(v[v > 0] * plant.dt / 2), turns[1:]])
+    wc = np.concatenate([2 / plant.dt * np.arctan(v * plant.dt / 2), turns[1:]])
     return np.unique(wc[(wc > 0) & (wc < pi / plant.dt)])
 
 
 def _root(off: Callable[[float], float], a: float, b: float) -> float:
     """Return where ``off`` changes sign in [a, b], by halving to the last bit."""
-    rising = off(b) > 0
+    rising = off(b) >= 0
     while a < (middle := (a + b) / 2) < b:
-        if (off(middle) > 0) == rising:
+        if (off(middle) >= 0) == rising:
             b = middle
         else:
             a = middle

@@ -134,5 +134,5 @@ def _edge(works: Callable[[float], bool], bad: float, good: float) -> float:
         else:
             bad = middle
     unit = 10.0 ** (floor(log10(good)) - 6)
-    rounded = (ceil(good / unit) if good > bad else floor(good / unit)) * unit
+    rounded = float(f"{(ceil if good > bad else floor)(good / unit) * unit:.7g}")
     return rounded if works(rounded) else good

@@ -61,7 +61,7 @@ def solve(matrix: Sequence[Sequence[Decimal]], right: Sequence[Decimal]) -> list
         pivot = max(range(i, n), key=[abs(row[i]) for row in rows].__getitem__)
         rows[i], rows[pivot] = rows[pivot], rows[i]
         if not rows[i][i]:
-            raise ZeroDivisionError("singular matrix")
+            raise ZeroDivisionError
         for k in range(i + 1, n):
             factor = rows[k][i] / rows[i][i]
             if factor:

@@ -16,7 +16,7 @@ Source: K. J. Astrom and B. Wittenmark, Computer-Controlled Systems, 3rd ed., ch
 
 from collections.abc import Sequence
 from decimal import Decimal
-from math import ceil
+from math import ceil, inf
 
 from zoh.errors import SpecError
 from zoh.lti import digits
@@ -60,7 +60,7 @@ def to_sampled(plant: Plant, dt: float, *, theta: Decimal, a: Decimal, delay: in
         forms = [c / lead for c in top_z], [c / lead for c in bottom_z]
         num_z, den_z = (digits.rounded(form) for form in forms)
         num_w, den_w = (digits.rounded(replaced(c, *in_w, n)) for c in (top, den))
-    if float("inf") in map(abs, num_z + den_z + num_w + den_w):
+    if inf in map(abs, num_z + den_z + num_w + den_w):
         raise out_of_range(dt)
     return Sampled.made(
         num=num_z,
@@ -136,8 +136,8 @@ def replaced(c: Sequence[Decimal], top: Exact, bottom: Exact, n: int) -> Exact:
 
 
 def trimmed(a: Exact) -> Exact:
-    """Return ``a`` without leading zeros."""
-    return a[next((i for i, c in enumerate(a) if c), len(a) - 1) :]
+    """Return ``a`` from its first coefficient that is not 0 on."""
+    return a[next(i for i, c in enumerate(a) if c) :]
 
 
 def _needed(values: Exact, floats: tuple[float, ...], a: Decimal, n: int) -> int:

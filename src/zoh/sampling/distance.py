@@ -7,7 +7,8 @@ of slow or fast roots are asked for all of theirs.
 """
 
 from collections.abc import Sequence
-from math import log2
+from itertools import pairwise
+from math import inf, log2
 
 from zoh.lti import poly
 from zoh.lti.systems import Sampled
@@ -28,7 +29,7 @@ def distance(one: Sampled, other: Sampled) -> float:
     0.25
     """
     if len(one.den) != len(other.den):
-        return float("inf")
+        return inf
     in_z = _of_forms((one.num, one.den), (other.num, other.den))
     return max(in_z, _of_forms((one.num_w, one.den_w), (other.num_w, other.den_w)))
 
@@ -40,7 +41,7 @@ def _of_forms(one: tuple[poly.Poly, poly.Poly], other: tuple[poly.Poly, poly.Pol
     sizes = [newton_sizes(a) for a in ones]
     shared = max(range(n), key=lambda i: abs(ones[1][i]) / sizes[1][i] if sizes[1][i] else -1.0)
     if not others[1][shared]:
-        return float("inf")
+        return inf
     factor = ones[1][shared] / others[1][shared]
     worst = 0.0
     for a, b, size in zip(ones, others, sizes, strict=True):
@@ -50,7 +51,7 @@ def _of_forms(one: tuple[poly.Poly, poly.Poly], other: tuple[poly.Poly, poly.Pol
             if s:
                 worst = max(worst, gap / s)
             elif gap > _NOTHING * largest:
-                worst = float("inf")
+                worst = inf
     return worst
 
 
@@ -67,7 +68,7 @@ def newton_sizes(a: Sequence[float]) -> list[float]:
             hull.pop()
         hull.append(point)
     sizes = [0.0] * len(a)
-    for (i, x), (j, y) in zip(hull, hull[1:] or hull, strict=False):
+    for (i, x), (j, y) in pairwise(hull[:1] + hull):
         for k in range(i, j + 1):
             sizes[k] = 2.0 ** (x + (y - x) * (k - i) / max(j - i, 1))
     return sizes

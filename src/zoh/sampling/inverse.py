@@ -81,7 +81,6 @@ def _checked(
 ) -> Plant:
     """Return the better of the two forms' plants, if it is good enough."""
     found: list[tuple[float, Plant]] = []
-    refused: SpecError | None = None
     for form in (in_w, in_z):
         try:
             found.append(_plainest(bare, back(form(bare)), again))
@@ -89,7 +88,7 @@ def _checked(
             refused = error
         if found and found[-1][0] <= _ROUNDING:
             break
-    if not found and refused is not None:
+    if not found:
         raise refused
     gap, plant = min(found, key=lambda pair: pair[0])
     if not gap <= TOLERANCE:
@@ -114,17 +113,12 @@ def _plainest(
     gap = distance(bare, again(plant))
     num, den = plant.exact
     with digits.precision(digits.KEPT):
-        sizes = [abs(c) / Decimal(bare.dt) ** (len(num) - 1 - i) for i, c in enumerate(num)]
+        sizes = [abs(c) * Decimal(bare.dt) ** i for i, c in enumerate(num)]
         doubtful = _DOUBTFUL * max(sizes)
-    noise = next((i for i, s in enumerate(sizes) if s > doubtful), 0)
+    noise = next(i for i, s in enumerate(sizes) if s > doubtful)
     for start in range(noise, 0, -1):
-        if not num[start]:
-            continue
         plain = Plant.from_exact(num[start:], den)
-        try:
-            without = distance(bare, again(plain))
-        except SpecError:  # this one cannot even be sampled
-            continue
+        without = distance(bare, again(plain))
         if without <= max(gap, _ROUNDING):
             return without, plain
     return gap, plant

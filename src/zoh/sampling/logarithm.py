@@ -21,7 +21,7 @@ from zoh.lti import poly
 from zoh.lti.digits import Exact
 from zoh.sampling.algebra import Element, Ring, from_power_sums, power_sums
 
-_ZERO, _ONE = Decimal(0), Decimal(1)
+_ONE = Decimal(1)
 _SHORT = 0.125  # artanh's series is summed up to here: two terms for three digits and a half
 _STEPS = 400  # of Newton's square root: enough for z = 1e-200, or for 1e-100 rad off the axis
 
@@ -43,7 +43,7 @@ def artanh_of_roots(monic: Sequence[Decimal]) -> Exact:
     n = len(monic) - 1
     if n == 0:
         return (_ONE,)
-    size = Decimal(2) ** max(ceil(log2(c)) for c in _sizes(monic))
+    size = _size(monic)
     scaled = [c / size**i for i, c in enumerate(monic)]
     ring = Ring.of(scaled)
     p = ring.times_u(ring.constant(size))
@@ -58,10 +58,10 @@ def artanh_of_roots(monic: Sequence[Decimal]) -> Exact:
     return from_power_sums(traces)
 
 
-def _sizes(monic: Sequence[Decimal]) -> list[float]:
-    """Return |a_i|^(1/i), none of them 0: twice their largest bounds the roots (Fujiwara)."""
+def _size(monic: Sequence[Decimal]) -> Decimal:
+    """Return a power of 2 about as large as the largest |a_i|^(1/i): the roots' size (Fujiwara)."""
     logs = [(c.adjusted() + 1) / i for i, c in enumerate(monic) if i and c]
-    return [10.0 ** max(x, -300.0) for x in logs] or [1.0]
+    return Decimal(2) ** ceil(max(logs, default=0.0) * log2(10))
 
 
 def _halvings(monic: Sequence[Decimal]) -> int:
@@ -69,7 +69,7 @@ def _halvings(monic: Sequence[Decimal]) -> int:
     p = poly.roots([float(c) for c in monic])
     with np.errstate(all="ignore"):
         largest = float(np.abs(np.arctanh(p)).max(initial=_SHORT))
-    return max(0, ceil(log2(largest / _SHORT))) if isfinite(largest) else 12
+    return ceil(log2(largest / _SHORT)) if isfinite(largest) else 12
 
 
 def _halved(ring: Ring, p: Element) -> Element:

@@ -7,6 +7,7 @@ else is a float of a number with digits to spare.
 
 from collections.abc import Sequence
 from decimal import Decimal, getcontext
+from math import inf
 
 from zoh.errors import SpecError
 from zoh.lti import digits
@@ -80,6 +81,6 @@ def out_of_range(dt: float) -> SpecError:
 def _floats(values: Sequence[Decimal]) -> tuple[float, ...]:
     """Return the nearest floats, or raise OverflowError."""
     result = digits.rounded(values)
-    if float("inf") in map(abs, result):
+    if inf in map(abs, result):
         raise OverflowError
     return result

@@ -1,0 +1,260 @@
+"""Every refusal, word for word, its numbers worked by hand at z = j.
+
+The integrator 1/(z - 1) has there |G| = 1/sqrt 2, arg G = -135 deg, v = 2 and x = v dt/2 = 1, so
+45 deg of margin without a law, and a law needs a gain of sqrt 2 = 1.414.
+"""
+
+from itertools import count
+from math import cos, pi, radians, sqrt
+
+import pytest
+
+from zoh.design import first_order, p, pid
+from zoh.design import pi as pi_law
+from zoh.design.target import Target, nearest
+from zoh.errors import Infeasible, SpecError
+from zoh.lti.systems import Sampled
+from zoh.spec import Crossover
+
+INTEGRATOR = Sampled(num=(1.0,), den=(1.0, -1.0), dt=1.0)
+
+
+def at_j(pm_deg):
+    return Crossover(wc=pi / 2, pm_deg=pm_deg)
+
+
+def sentence(law, gives, pm_deg, needs, best=None):
+    text = f"{law} {gives}; a margin of {pm_deg} deg at 1.5708 rad/s needs {needs} deg and a gain"
+    return (
+        text + " of 1.414" + (f"; the best margin it can give here is {best} deg" if best else "")
+    )
+
+
+def turns(low, high):
+    return f"turns the phase by {low} to {high} deg here"
+
+
+# PID, ki = 1: k = |G|/v = 1/sqrt 8, asin k = 20.70 deg; acos(x k/sqrt 2) = acos(1/4) = 75.52 deg,
+#   less atan x = 45 deg
+# PID, ki = 5: x k/sqrt 2 = 5/4 is no cosine; it is 1 for ki = 4
+# PID, ki = 3: k = 3/sqrt 8 is no sine, kd > 0 everywhere; acos(3/4) = 41.41 deg either way, less
+#   45 deg
+# lead, a0 = 1: acos(a0 |G|) = 45 deg;  lag, a0 = 5: acos(sqrt 2/5) = 73.57 deg
+REFUSALS = [
+    (p.solve, {}, 60, sentence("a P", turns(0, 0), 60, "+15", 45)),
+    (p.solve, {}, 30, sentence("a P", turns(0, 0), 30, "-15")),
+    (pi_law.solve, {}, 60, sentence("a PI", turns("-90", 0), 60, "+15", 45)),
+    (
+        pid.solve,
+        {"ki": 0.0},
+        100,
+        sentence("a PD with positive gains", turns(0, "+45"), 100, "+55", 90),
+    ),
+    (
+        pid.solve,
+        {"ki": 1.0},
+        100,
+        sentence(
+            "a PID with ki = 1 and positive kp and kd",
+            turns("-20.7", "+30.52"),
+            100,
+            "+55",
+            "75.52",
+        ),
+    ),
+    (
+        pid.solve,
+        {"ki": 3.0},
+        60,
+        sentence(
+            "a PID with ki = 3 and positive kp and kd",
+            turns("-86.41", "-3.59"),
+            60,
+            "+15",
+            "41.41",
+        ),
+    ),
+    (
+        pid.solve,
+        {"ki": 5.0},
+        60,
+        sentence(
+            "a PID with ki = 5 and positive kp and kd",
+            "has no positive kp here: its ki must be below 4",
+            60,
+            "+15",
+        ),
+    ),
+    (
+        first_order.lead,
+        {"dc_gain": 1.0},
+        100,
+        sentence("a lead of dc_gain 1", turns(0, "+45"), 100, "+55", 90),
+    ),
+    (
+        first_order.lead,
+        {"dc_gain": 2.0},
+        75,
+        sentence("a lead of dc_gain 2", "has a gain above that everywhere", 75, "+30"),
+    ),
+    (
+        first_order.lag,
+        {"dc_gain": 5.0},
+        60,
+        sentence("a lag of dc_gain 5", turns("-73.57", 0), 60, "+15", 45),
+    ),
+    (
+        first_order.lag,
+        {"dc_gain": 1.0},
+        30,
+        sentence("a lag of dc_gain 1", "has a gain below that everywhere", 30, "-15"),
+    ),
+]
+
+
+@pytest.mark.parametrize(("solve", "more", "pm_deg", "text"), REFUSALS, ids=count())
+def test_a_refusal_says_what_the_law_gives_and_what_is_needed(solve, more, pm_deg, text):
+    with pytest.raises(Infeasible) as refused:
+        solve(INTEGRATOR, at_j(pm_deg), **more)
+    assert str(refused.value) == text
+    assert refused.value.needed_deg == pytest.approx(pm_deg - 45, abs=1e-12)
+
+
+def test_the_largest_integral_gain_is_that_of_the_clock():
+    # dt/(z - 1): |G| = dt/sqrt 2 and v = 2/dt at z = j, so 4/dt^2 = 16 in the place of 4
+    fast = Sampled(num=(0.5,), den=(1.0, -1.0), dt=0.5)
+    with pytest.raises(Infeasible, match="its ki must be below 16;"):
+        pid.solve(fast, Crossover(wc=pi, pm_deg=60), ki=17.0)
+
+
+@pytest.mark.parametrize(
+    ("what", "num", "den"),
+    [
+        ("zero", (1.0, 0.0, 1.0), (1.0, -0.5, 0.06)),
+        ("pole", (1.0, -0.5, 0.06), (1.0, 0.0, 1.0)),
+        ("zero", (0.1, 0.0, 0.1), (1.0, -0.5, 0.06)),
+        ("pole", (1.0, -0.5, 0.06), (10.0, 0.0, 10.0)),
+    ],
+)
+def test_a_plant_without_a_gain_at_the_crossover_is_refused(what, num, den):
+    with pytest.raises(SpecError) as refused:
+        pi_law.solve(Sampled(num=num, den=den, dt=1.0), at_j(60))
+    assert (refused.value.argument, refused.value.value) == ("wc", pi / 2)
+    assert str(refused.value) == (
+        f"wc must be where the plant has a gain, not at a {what} on the unit circle, "
+        "got 1.5707963267948966: move wc away from it"
+    )
+
+
+def test_a_zero_beside_the_crossover_is_no_zero_at_it():
+    # 1e-9 rad/s off z = j, G = j 2e-9/(z + 1/2): small, and a gain all the same
+    notch = Sampled(num=(1.0, 0.0, 1.0), den=(1.0, 0.5, 0.0), dt=1.0)
+    target = Target.of(notch, Crossover(wc=pi / 2 - 1e-9, pm_deg=60))
+    assert target.size == pytest.approx(2e-9 / sqrt(1.25), rel=1e-6)  # wc holds 1e-9 to 1e-7
+
+
+# Target.best_margin_deg: a law that turns nothing has pm - theta, here 60 deg - theta
+
+
+@pytest.mark.parametrize(
+    ("theta", "phases", "best"),
+    [
+        (20, (-30, 0), 40),  # the law can only take away
+        (20, (0, 45), 85),
+        (-110, (0, 45), 180),  # 170 ... 215 deg passes 180
+        (-110, (-45, 10), 180),  # 125 ... 180 deg, approached
+        (-130, (-15, 45), 180),  # 175 ... 235 deg
+        (-130, (0, 45), None),  # 190 ... 235 deg are -170 ... -125: none above 0
+        (60, (-30, 0), None),  # ends at 0
+        (60, (-30, 1), 1),
+        (20, None, None),
+    ],
+)
+def test_the_best_margin_is_the_upper_end_of_what_a_law_can_turn(theta, phases, best):
+    target = Target(v=2.0, size=1.0, theta=radians(theta), dt=1.0)
+    ends = phases and tuple(radians(end) for end in phases)
+    got = target.best_margin_deg(ends, at_j(60))
+    assert got == (None if best is None else pytest.approx(best, abs=1e-12))
+
+
+def test_the_ends_of_an_interval_are_not_inside():
+    target = Target(v=2.0, size=1.0, theta=0.5, dt=1.0)
+    assert target.inside((0.4, 0.6))
+    assert not target.inside((0.5, 0.6))
+    assert not target.inside((0.4, 0.5))
+    assert not target.inside(None)
+
+
+# phases: by hand at v = 2, dt = 1 (x = 1), |G| = 1/sqrt 2
+
+
+def test_phases_by_hand():
+    target = Target.of(INTEGRATOR, at_j(60))
+    assert pi_law.phases(target) == (-pi / 2, 0.0)
+    low, high = p.phases(target)
+    assert low == -high
+    assert 0 < high < 1e-9
+    assert pid.phases(target, 0.0) == pytest.approx((0, pi / 4), abs=1e-15)
+    # k = ki/sqrt 8: the sine ends at k = 1, the cosine's reach k/sqrt 2 = ki/4 at ki = 4
+    assert pid.phases(target, 4.0) is None
+    assert pid.phases(target, 3.999) is not None
+    # x = 3/4, k = 5/3: the reach is (3/4)(5/3)/(5/4) = 1
+    assert pid.phases(Target(v=1.5, size=1.0, theta=0.1, dt=1.0), 2.5) is None
+    for ki in (2.9, 3.0):  # asin k = 90 deg at sqrt 8 = 2.83, and none is needed above
+        turn = [-_acos(ki / 4) - pi / 4, _acos(ki / 4) - pi / 4]
+        assert pid.phases(target, ki) == pytest.approx(turn, abs=1e-14)
+    half = Target(v=2.0, size=0.5, theta=0.1, dt=1.0)  # a0 |G| = 1 is neither above nor below
+    assert first_order.lead_phases(half, 2.0) is None
+    assert first_order.lag_phases(half, 2.0) is None
+    assert first_order.lead_phases(target, 1.0) == pytest.approx((0, pi / 4), abs=1e-15)
+    assert first_order.lag_phases(target, 2.0) == pytest.approx((-pi / 4, 0), abs=1e-15)
+
+
+def _acos(c):
+    """Return acos c by halving, for cosine falls on (0, pi)."""
+
+    low, high = 0.0, pi
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if cos(middle) > c else (low, middle)
+    return low
+
+
+# nearest: on predicates whose edge is known
+
+
+@pytest.mark.parametrize(
+    ("works", "wc", "dt", "found"),
+    [
+        (lambda w: w >= sqrt(2), 1.0, 1.0, 1.414214),  # 1.41421356, up on its working side
+        (lambda w: w <= sqrt(0.5), 1.0, 1.0, 0.7071067),  # 0.70710678, down
+        (lambda w: w >= 20 * sqrt(2), 20.0, 0.1, 28.28428),  # 28.2842712
+        (lambda w: w >= 1.30000005 or w <= 0.75, 1.0, 1.0, 1.300001),  # 1/1.3 = 0.769 > 0.75
+        (lambda w: w >= 1.3 or w <= 0.80000005, 1.0, 1.0, 0.8),
+        (lambda w: w <= 1.0000005e-3, 1.0, 1.0, 1e-3),  # as far as it looks
+        (lambda w: w >= 3.0000005, 1.0, 1.0, 3.000001),  # below pi/dt
+        (lambda w: w >= 3.2, 1.0, 1.0, None),  # above
+        (lambda w: w >= 1.5000005, 1.0, 2.0, 1.500001),
+        (lambda w: w >= 1.6, 1.0, 2.0, None),
+        (lambda w: w <= 1e-4, 1.0, 1.0, None),  # too far
+    ],
+)
+def test_the_nearest_frequency_that_works(works, wc, dt, found):
+    got = nearest(works, wc, dt)
+    assert got == (None if found is None else pytest.approx(found, rel=1e-14))
+    assert got is None or works(got)
+
+
+def test_the_nearest_is_the_edge_itself_where_its_seven_digits_do_not_work():
+    got = nearest(lambda w: sqrt(2) < w and w != 1.414214, 1.0, 1.0)
+    assert got == pytest.approx(sqrt(2), rel=1e-12)
+    assert got > sqrt(2)
+
+
+def test_the_nearest_is_looked_for_below_nyquist_alone():
+    asked = []
+    assert nearest(lambda w: asked.append(w) is not None, 1.0, 1.0) is None
+    assert max(asked) < pi
+    # outwards from wc, a step down before a step up, 3 % at a time
+    assert asked[:4] == pytest.approx([1 / 1.03, 1.03, 1.03**-2, 1.03**2], rel=1e-14)
+    assert min(asked) == pytest.approx(1e-3, rel=0.2)  # "down to wc/1000": where steps end
