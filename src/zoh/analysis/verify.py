@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import radians
 from typing import Any
+from warnings import warn
 
 from zoh import checks
 from zoh.analysis.asked import missed
@@ -18,7 +19,7 @@ from zoh.analysis.margins import measure_loop
 from zoh.analysis.results import Gains, Margins, StepInfo
 from zoh.analysis.stability import closed_loop_stable
 from zoh.analysis.step import closed_loop_step
-from zoh.errors import NotMet, SpecError
+from zoh.errors import NotMet, RoundingWarning, SpecError
 from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.systems import Plant, Sampled
 from zoh.lti.written import fraction, number
@@ -108,10 +109,14 @@ class Measured:
             f"  closed loop {'stable' if m.stable else 'UNSTABLE'}",
             f"  phase margin {m.phase_margin_deg:.6g} deg at {_or_none(m.crossover)} rad/s,"
             f" gain margin {m.gain_margin_db:.4g} dB at {_or_none(m.phase_crossover)} rad/s",
-            f"  delay margin {m.delay_margin:.4g} s, Ms {m.ms:.4g}, Mt {m.mt:.4g}",
+            f"  delay margin {m.delay_margin:.4g} s, Ms {m.ms:.4g}, Mt {m.mt:.4g},"
+            f" bandwidth {_or_none(m.bandwidth)} rad/s",
         ]
         if self.step is not None:
             lines.append(_step_line(self.step))
+        if m.certificate is not None and m.certificate.holds:
+            lines.append("  proved: no crossing is missed, no peak is higher")
+        lines += [f"  NOTE: {warning}" for warning in m.warnings]
         lines += [f"  MISSED: {miss}" for miss in self.misses]
         return "\n".join(lines)
 
@@ -154,7 +159,8 @@ def measure(
     """Return everything measured of plant and controller in unity feedback.
 
     ``dt`` may be given to say which sample time is meant; it must be the controller's.
-    Raises SpecError for what is no plant, no controller, or two sample times.
+    Raises SpecError for what is no plant, no controller, or two sample times; warns as
+    ``zoh.margins`` does.
     """
     if isinstance(plant, FrequencyResponse):
         raise SpecError("plant", "must be a model", plant, "zoh.measure_table is for tables")
@@ -171,6 +177,8 @@ def measure(
         )
     sampled = sample(plant, controller.dt, compute_delay)
     margins = measure_loop(Loop.of(controller, sampled))
+    for sentence in margins.warnings:
+        warn(sentence, RoundingWarning, stacklevel=2)
     step = None
     if margins.stable:
         step = closed_loop_step(plant, controller, compute_delay=compute_delay, reference=reference)
@@ -235,7 +243,7 @@ def _step_line(step: StepInfo) -> str:
     parts = [
         "no overshoot defined" if over is None else f"overshoot {over:.4g} %",
         "never rises" if step.rise_time is None else f"rise {step.rise_time:.4g} s",
-        "does not settle" if step.settling_time is None else f"settling {step.settling_time:.4g} s",
+        step.settling if step.settling_time is None else f"settling {step.settling_time:.4g} s",
     ]
     if step.peak_effort is not None:
         parts.append(f"peak effort {step.peak_effort:.4g}")

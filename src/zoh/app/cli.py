@@ -10,6 +10,7 @@ import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NoReturn
+from warnings import catch_warnings, simplefilter
 
 import numpy as np
 
@@ -17,7 +18,7 @@ import zoh
 from zoh.app import files
 from zoh.app.commands import Entry, check_all, design_all, hidden_instability, to_dict, warnings
 from zoh.app.project import Project, read
-from zoh.errors import Infeasible, NotMet, SpecError, ZohError
+from zoh.errors import Infeasible, NotMet, RoundingWarning, SpecError, ZohError
 
 MET, NOT_MET, BAD_INPUT = 0, 1, 2
 DEFECT = 70  # EX_SOFTWARE: neither the input nor the specification is to blame
@@ -39,7 +40,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         # an overflow that nobody foresaw is an error here, never a number
         if sys.stdout is None:
             return _fail(BAD_INPUT, "standard output must be open, got a closed one: redirect it")
-        with np.errstate(over="raise", invalid="raise", divide="raise"):
+        with np.errstate(over="raise", invalid="raise", divide="raise"), catch_warnings():
+            simplefilter("ignore", RoundingWarning)  # said with the design it is about
             code: int = arguments.run(arguments)
         sys.stdout.flush()  # a reader that left is noticed here, not at exit
     except BrokenPipeError:

@@ -168,7 +168,7 @@ def hidden_instability(project: Project) -> str | None:
 
 
 def warnings(project: Project, entries: Sequence[Entry]) -> tuple[str, ...]:
-    """Return what the numbers do not show: hidden modes, an actuator asked for too much."""
+    """Return what the numbers do not show: hidden modes, lost digits, an actuator's ends."""
     hidden = hidden_instability(project)
     said = [] if hidden is None else [hidden]
     left = [c.name for c in project.controllers if c.name not in {e.name for e in entries}]

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from math import ceil, floor, inf, log10
 
-from zoh.analysis.results import StepInfo
+from zoh.analysis.results import Margins, StepInfo
 from zoh.analysis.tabled.verify import Evidence, TableMeasured
 from zoh.lti import written
 from zoh.lti.poly import trim
@@ -110,6 +110,13 @@ def _settling(s: StepInfo | None) -> str:
     return s.settling
 
 
+def _proof(m: Margins) -> str:
+    """Return whether it is proved that nothing was missed."""
+    if m.certificate is None:
+        return "as the table shows"
+    return "proved" if m.certificate.holds else f"not proved: {', '.join(m.certificate.open())}"
+
+
 def facts(d: Evidence) -> Mapping[str, str]:
     """Return every row of the comparison for one design."""
     m, s = d.margins, d.step
@@ -126,6 +133,8 @@ def facts(d: Evidence) -> Mapping[str, str]:
         "gain margin, dB": number(m.gain_margin_db),
         "delay margin, s": number(m.delay_margin),
         "Ms": number(m.ms),
+        "bandwidth, rad/s": number(m.bandwidth),
+        "crossings and peaks": _proof(m),
         "overshoot at the samples, %": number(s.overshoot_pct if s else None, 3),
         "overshoot between them, %": number(between.overshoot_pct if between else None, 3),
         "rise time, s": number(s.rise_time if s else None, 3),
