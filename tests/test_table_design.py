@@ -224,3 +224,16 @@ def test_a_crossing_of_the_controller_below_the_table_counts_against_the_margin(
     assert zoh.verify_table(plant, law, requirements=Requirements(pm_deg=89)).met
     with pytest.raises(NotMet, match=r"pm_deg must be at least 95, .* no more than 90 is known"):
         zoh.verify_table(plant, law, requirements=Requirements(pm_deg=95))
+
+
+def test_a_p_with_several_crossovers_takes_the_fastest():
+    # the phase is -140 deg at 1, 3 and 9 rad/s, points of the table; |G| = 1/w falls throughout
+    plant = FrequencyResponse(
+        w=[0.2, 0.5, 1, 2, 3, 5, 9, 15, 25],
+        magnitude=[1 / w for w in (0.2, 0.5, 1, 2, 3, 5, 9, 15, 25)],
+        phase_deg=[-100, -120, -140, -150, -140, -130, -140, -150, -155],
+        dt=DT,
+    )
+    d = zoh.p(plant, dt=DT, pm_deg=40)
+    assert d.margins.crossover == pytest.approx(9.0, rel=1e-9)
+    assert d.gains["kp"] == pytest.approx(9.0, rel=1e-9)
