@@ -21,6 +21,8 @@ MARGINS = Margins(
     mt=1.5,
     mt_frequency=1.2,
     disk_margin=0.6,
+    disk_frequency=1.4,
+    bandwidth=1.8,
     gain_crossings=((1.0, 40.0),),
     phase_crossings=((2.0, 0.1),),
 )

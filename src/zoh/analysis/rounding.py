@@ -11,8 +11,9 @@ Source: N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., s
 from collections.abc import Iterator
 from math import degrees, hypot, inf
 
-from zoh.analysis.loop import Loop, scalar
+from zoh.analysis.loop import Loop
 from zoh.analysis.results import Margins
+from zoh.lti import poly
 from zoh.lti.poly import Poly
 from zoh.lti.wplane import warp
 
@@ -81,23 +82,23 @@ def _of_return(loop: Loop, w: float) -> float:
     of_top, of_bottom = _parts(loop, v)
     return_difference = abs(bottom + top)
     moved = abs(top) * of_top + abs(bottom) * of_bottom
-    return moved / return_difference if return_difference else inf
+    return moved / return_difference if return_difference else inf if moved else 0.0
 
 
 def _parts(loop: Loop, v: float) -> tuple[float, float]:
     """Return by which parts of themselves rounding moves num and den at v."""
     of_top = of_bottom = 0.0
     for system in loop.rounded:
-        size = hypot(1.0, v * system.dt / 2) ** (len(system.den) - 1)  # of (1 - w dt/2)^n
-        of_top += _part(system.num, system.num_w, v, size)
-        of_bottom += _part(system.den, system.den_w, v, size)
+        size = hypot(1.0, v * system.dt / 2)
+        x, y = complex(0.0, v / size), 1 / size
+        of_top += _part(system.num, abs(poly.homogeneous(system.num_w, x, y)))
+        of_bottom += _part(system.den, abs(poly.homogeneous(system.den_w, x, y)))
     return of_top, of_bottom
 
 
-def _part(a: Poly, a_w: Poly, v: float, size: float) -> float:
-    """Return half a unit of each coefficient over |a(z)|, where a_w(jv) = a(z) (1 - jv dt/2)^n."""
+def _part(a: Poly, value: float) -> float:
+    """Return half a unit of each coefficient over |a(z)| = |a_w(jv)|/|1 - jv dt/2|^n."""
     off = _HALF_A_UNIT * sum(abs(c) for c in a if not _exact(c))
-    value = abs(scalar(a_w, v)) / size
     return off / value if value else inf if off else 0.0
 
 

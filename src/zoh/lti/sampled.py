@@ -48,10 +48,11 @@ class Sampled:
         put(self, "den", checks.coefficients("den", self.den))
         put(self, "dt", sample_time(self.dt))
         check_fraction(self.num, self.den, "z")
-        n = len(self.den) - 1
+        delay = _delay(self.num, self.den)
+        n = len(self.den) - 1 - delay
         put(self, "num_w", _floats(*z_to_w(self.num, self.dt, n)))
-        put(self, "den_w", _floats(*z_to_w(self.den, self.dt, n)))
-        put(self, "delay", 0)
+        put(self, "den_w", _floats(*z_to_w(self.den[: n + 1], self.dt, n)))
+        put(self, "delay", delay)
         put(self, "_given", None)
 
     @property
@@ -183,6 +184,16 @@ def _floats(values: Sequence[int], unit: int) -> Poly:
             "beyond 1e308",
             "count time in another unit",
         ) from None
+
+
+def _delay(num: Poly, den: Poly) -> int:
+    """Return how many poles at z = 0 are a delay: those that leave a causal rest.
+
+    >>> _delay((1.0,), (1.0, -0.5, 0.0, 0.0)), _delay((1.0, 2.0), (1.0, 0.0))
+    (2, 0)
+    """
+    at_zero = next(k for k, c in enumerate(reversed(den)) if c)
+    return min(at_zero, len(den) - len(num))
 
 
 def _in_z(a_w: Poly, dt: float) -> ComplexArray:
