@@ -19,6 +19,8 @@ def number(name: str, value: object, way_out: str = "give one real number") -> f
     >>> number("dt", 1)
     1.0
     """
+    if type(value) is float and isfinite(value):  # nearly always
+        return value
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value.item()
     if isinstance(value, bool | np.bool_) or not isinstance(value, Real):
