@@ -142,6 +142,14 @@ def test_a_fast_pole_that_w_has_lost_is_found_in_z(pole, slow):
     assert got.den == pytest.approx(plant.den, rel=1e-15)
 
 
+@pytest.mark.parametrize("zeros", [[], [-0.5]])
+def test_a_fast_matched_pole_is_found_in_z(zeros):
+    plant = Plant.zpk(zeros=zeros, poles=[-40, -1], gain=1)
+    got = undiscretise(discretise(plant, 1.0, "matched"), "matched")
+    assert got.num == pytest.approx(plant.num, rel=1e-14)
+    assert got.den == pytest.approx(plant.den, rel=1e-15)
+
+
 def test_a_slow_pole_that_z_has_lost_is_found_in_w():
     # 1 - 1e-17 is 1 in floats
     plant = Plant(num=[1], den=[1, 1e-10])
