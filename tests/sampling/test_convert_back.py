@@ -133,12 +133,20 @@ def test_a_coefficient_that_is_zero_in_the_middle_comes_back_as_zero():
     assert [c * lead for c in got.den] == pytest.approx(plant.den, rel=1e-12)
 
 
-@pytest.mark.parametrize("pole", [40, 300])
+@pytest.mark.parametrize("pole", [25, 30, 40, 300])
 @pytest.mark.parametrize("slow", [[], [-1]])
 def test_a_fast_pole_that_w_has_lost_is_found_in_z(pole, slow):
     # exp(-40) = 4e-18: in w the pole is at -2/dt to the last bit, in z it is in den
     plant = Plant.zpk(zeros=[], poles=[-pole, *slow], gain=1)
     got = undiscretise(discretise(plant, 1.0, "zoh"), "zoh")
+    assert got.den == pytest.approx(plant.den, rel=1e-15)
+
+
+@pytest.mark.parametrize("zeros", [[], [-0.5]])
+def test_a_fast_matched_pole_is_found_in_z(zeros):
+    plant = Plant.zpk(zeros=zeros, poles=[-40, -1], gain=1)
+    got = undiscretise(discretise(plant, 1.0, "matched"), "matched")
+    assert got.num == pytest.approx(plant.num, rel=1e-14)
     assert got.den == pytest.approx(plant.den, rel=1e-15)
 
 

@@ -13,6 +13,7 @@ from zoh.sampling.algebra import Ring, from_power_sums, power_sums, solve
 from zoh.sampling.convert import discretise, undiscretise
 from zoh.sampling.differences import replaced, stretch, to_plant, trimmed
 from zoh.sampling.distance import distance, newton_sizes
+from zoh.sampling.logarithm import artanh_of_roots
 
 
 def lag(num, pole, dt=1.0):
@@ -165,3 +166,14 @@ def test_a_plant_that_comes_back_is_the_plainest():
         for share in (1.0, 0.3, 1e-2, 1e-4):
             cube = Plant(num=[1], den=[slow**3, 3 * slow**2, 3 * slow, 1])
             assert len(undiscretise(discretise(cube, share * slow, "zoh"), "zoh").num) == 1
+
+
+def test_a_small_leading_coefficient_that_is_none_of_rounding_is_kept():
+    # a zero at -1e8: 1e-8 of the last coefficient, eight digits above rounding
+    far = Plant(num=[1e-8, 1], den=[1, 3, 3, 1])
+    got = undiscretise(discretise(far, 1.0, "zoh"), "zoh")
+    assert got.num == pytest.approx(far.num, rel=1e-6)  # of those eight digits
+
+
+def test_the_logarithm_of_one_is_zero():
+    assert artanh_of_roots(exact([1.0, 0.0, 0.0])) == exact([1.0, 0.0, 0.0])
