@@ -8,7 +8,6 @@ from collections.abc import Callable, Mapping
 from typing import overload
 
 from zoh import checks
-from zoh.analysis.closed import followable
 from zoh.analysis.tabled.verify import TableVerified
 from zoh.analysis.verify import NOTHING_ASKED, Verified, measure, verified
 from zoh.certificate import LAWS, SolvedLaw, certified, least_turn, not_as_asked, solved
@@ -16,7 +15,7 @@ from zoh.design import p as p_law
 from zoh.design.target import Target
 from zoh.errors import Infeasible, NotMet, SpecError
 from zoh.lti.frequency_response import FrequencyResponse
-from zoh.lti.systems import Plant, Sampled, sample_time
+from zoh.lti.systems import Plant, Sampled
 from zoh.sampling.hold import sample
 from zoh.spec import Crossover, Requirements
 from zoh.table_design import design_on_table
@@ -143,7 +142,6 @@ def design(
             plant, law, parameters, dt=dt, compute_delay=compute_delay, requirements=requirements,
             name=name,
         )  # fmt: skip
-    followable(plant, sample_time(dt), compute_delay)
     sampled = sample(plant, dt, compute_delay)
 
     def checked(found: SolvedLaw, spec: Crossover | None) -> Verified:
