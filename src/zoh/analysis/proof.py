@@ -85,8 +85,8 @@ def _least(squares: Squares, peak: Peak) -> Proof:
     if peak.least == inf:
         return Proof(holds=not any(below), method="bound", detail="measured against 0 everywhere")
     level, unit = (peak.least**2 * (1 - 2 * PEAK_TOL)).as_integer_ratio()
-    above = [unit * c for c in squares.closed]
-    method = whole.positive(whole.plus(above, below, -level), peak.v**2)
+    above = [unit * c - level * b for c, b in zip(squares.closed, below, strict=True)]
+    method = whole.positive(above, peak.v**2)
     return Proof(
         holds=method is not None,
         method=method or "Sturm",

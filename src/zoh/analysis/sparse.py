@@ -8,7 +8,7 @@ can miss something: whether it has, ``proof`` says.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import ceil, floor, inf, sqrt
+from math import ceil, floor, inf, isfinite, sqrt
 
 import numpy as np
 
@@ -19,20 +19,20 @@ from zoh.lti.whole import Whole
 
 _BEYOND = 7  # octaves in q that are looked at beyond the first and the last corner
 _PER_OCTAVE = 2
-_STEP = 2.0 ** (1 / _PER_OCTAVE)
 _NEAR = 1e-7  # relative distance of the two points of a last secant: half a float's digits
 _LAST_STEP = 1e-10  # relative; Newton's next step would be its square, below a float's digits
 _LAST_FLAT_STEP = 1e-6  # the same for a least value, which is flat and needs half the digits
-_BOTTOM, _TOP, _OPPOSITE, _CLOSED, _GAIN, _TURN, _DROP = range(7)
-_BELOW = [_BOTTOM, _TOP, _OPPOSITE]
+_CLOSED, _GAIN, _TURN, _DROP = range(3, 7)  # the first three are those of ``lowest``
 _NOTHING = 1e-300  # instead of 0, or of less by rounding
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sparse:
-    """The polynomials of ``Squares`` in q/unit, as floats, and what they are at q.
+    """The polynomials of ``Squares`` in q/unit, as floats, and what they are on a grid.
 
+    octaves    log2(q/unit), shape (K,)
     values     shape (7, K)
+    flips      where the last three change sign: (which of them, the point before)
     ratios     |D + N|^2 over |D|^2, |N|^2 and |D - N|^2, shape (3, K); lowest_at: where
     """
 
@@ -40,8 +40,9 @@ class Sparse:
     level: float
     unit: float
     polynomials: list[list[float]]
-    q: Array
+    octaves: Array
     values: Array
+    flips: list[tuple[int, int]]
     ratios: Array
     lowest_at: list[int]
 
@@ -63,13 +64,16 @@ class Sparse:
             for a, bits in zip(exact, sizes, strict=True)
         ]
         count = (high - low + 2 * _BEYOND) * _PER_OCTAVE + 1
-        q = np.exp2(np.arange(count) / _PER_OCTAVE + (low - _BEYOND - middle))
-        values = np.array(rows).T @ np.ones(1) if longest == 1 else _values(rows, q)
-        if not np.isfinite(values).all():
+        octaves = np.arange(count) / _PER_OCTAVE + (low - _BEYOND - middle)
+        values = np.array(rows) @ np.exp2(np.arange(longest - 1, -1, -1)[:, None] * octaves)
+        if not isfinite(values.sum()):
             return None
-        ratios = values[_CLOSED] / np.maximum(values[_BELOW], _NOTHING)
+        ratios = values[_CLOSED] / np.maximum(values[:_CLOSED], _NOTHING)
+        rising = values[_GAIN:] > 0
+        kinds, places = (rising[:, 1:] != rising[:, :-1]).nonzero()
         return cls(
-            loop=loop, level=s.level, unit=2.0**middle, polynomials=rows, q=q, values=values,
+            loop=loop, level=s.level, unit=2.0**middle, polynomials=rows, octaves=octaves,
+            values=values, flips=list(zip(kinds.tolist(), places.tolist(), strict=True)),
             ratios=ratios, lowest_at=ratios.argmin(axis=1).tolist(),
         )  # fmt: skip
 
@@ -93,35 +97,23 @@ class Sparse:
     def lowest(self, below: Below) -> float:
         """Return the v seen at which |D + N|/|below| is least."""
         which = 0 if below == ON_DEN else 1 if below == ON_NUM else 2
-        i, count = self.lowest_at[which], len(self.q)
-        if 0 < i < count - 1:
-            low, q, high = self.q[i - 1 : i + 2].tolist()
-            start = q * _STEP ** _parabola(*self.ratios[which, i - 1 : i + 2].tolist())
-            under = self.polynomials[_BELOW[which]]
-            q = _stationary(self.polynomials[_CLOSED], under, start, low, high)
+        i = self.lowest_at[which]
+        place = float(self.octaves[i])
+        if 0 < i < len(self.octaves) - 1:
+            start = place + _parabola(*self.ratios[which, i - 1 : i + 2].tolist()) / _PER_OCTAVE
+            ends = 2.0 ** (place - 1 / _PER_OCTAVE), 2.0 ** (place + 1 / _PER_OCTAVE)
+            q = _stationary(self.polynomials[_CLOSED], self.polynomials[which], 2.0**start, *ends)
         else:
-            q = float(self.q[i])
+            q = 2.0**place
         return sqrt(q) * sqrt(self.unit)
 
     def _roots(self, row: int) -> list[float]:
-        y = self.values[row]
-        signs = np.sign(y)
-        flips = np.flatnonzero(signs[1:] != signs[:-1])
         polynomial, found = self.polynomials[row], []
-        for i in flips.tolist():
-            q = _root(polynomial, *self.q[i : i + 2].tolist(), *y[i : i + 2].tolist())
+        for i in [place for kind, place in self.flips if kind == row - _GAIN]:
+            low, high = (2.0**x for x in self.octaves[i : i + 2].tolist())
+            q = _root(polynomial, low, high, *self.values[row, i : i + 2].tolist())
             found.append(sqrt(q) * sqrt(self.unit))
         return found
-
-
-def _values(rows: list[list[float]], q: Array) -> Array:
-    """Return polynomials of one length at q, one row each."""
-    longest = len(rows[0])
-    powers = np.empty((longest, len(q)))
-    powers[-1], powers[-2] = 1.0, q
-    for i in range(longest - 3, -1, -1):
-        np.multiply(powers[i + 1], q, out=powers[i])
-    return np.asarray(np.array(rows) @ powers)
 
 
 def _root(a: Sequence[float], low: float, high: float, at_low: float, at_high: float) -> float:
