@@ -53,10 +53,6 @@ class Piece:
             total = total * t + c
         return total
 
-    def turned(self, sign: float) -> "Piece":
-        """Return sign times the polynomial."""
-        return self if sign > 0 else Piece([-c for c in self.a], [-c for c in self.b])
-
     def slope(self) -> "Piece":
         """Return the derivative; that of a constant is 0."""
         d = len(self.a) - 1
@@ -71,8 +67,8 @@ class Piece:
         >>> list(Piece.of([0.0, 0.0, 4.0]).crossings(1.0))
         [0.5]
         """
-        for low, high, rises in _brackets([c - level for c in self.b], 0.0, 1.0):
-            yield self._root(level, low, high, rises)
+        for low, high, ends in _brackets([c - level for c in self.b], 0.0, 1.0):
+            yield self._root(level, low, high, ends)
 
     def highest(self) -> tuple[float, float]:
         """Return (t, value) where the polynomial is largest on [0, 1].
@@ -83,15 +79,18 @@ class Piece:
         spots = [0.0, *self.slope().crossings(0.0), 1.0]
         return max(((t, self.at(t)) for t in spots), key=lambda spot: spot[1])
 
-    def _root(self, level: float, low: float, high: float, rises: bool) -> float:
-        """Return the one crossing between two times, by Newton's steps kept in the bracket."""
-        f_low, f_high = self.at(low) - level, self.at(high) - level
-        part = f_low / (f_low - f_high) if f_low != f_high else 0.5
+    def _root(self, level: float, low: float, high: float, ends: tuple[float, float]) -> float:
+        """Return the one crossing between two times, by Newton's steps kept in the bracket.
+
+        ends  how far from the level the polynomial is at both
+        """
+        left, right = ends
+        rises, powers = left < 0, self.a[::-1]
         # inside: at an end that is a crossing, too, rounding decides the sign
-        t = low + min(max(part, 0.02), 0.98) * (high - low)
+        t = low + min(max(left / (left - right), 0.02), 0.98) * (high - low)
         for _ in range(80):
             value, slope = 0.0, 0.0
-            for c in reversed(self.a):
+            for c in powers:
                 slope = slope * t + value
                 value = value * t + c
             value -= level
@@ -109,15 +108,17 @@ class Piece:
         return t
 
 
-def _brackets(b: list[float], low: float, high: float) -> Iterator[tuple[float, float, bool]]:
-    """Yield, in order, (low, high, rises), intervals with exactly one change of sign."""
+def _brackets(
+    b: list[float], low: float, high: float
+) -> Iterator[tuple[float, float, tuple[float, float]]]:
+    """Yield, in order, (low, high, values at both), intervals with exactly one change of sign."""
     changes, below = 0, b[0] < 0
     for c in b:
         if (c < 0) != below:
             below = not below
             changes += 1
     if changes == 1:
-        yield low, high, b[0] < 0
+        yield low, high, (b[0], b[-1])
     elif changes and high - low > _NARROW:
         left, right = _halved(b)
         middle = (low + high) / 2
