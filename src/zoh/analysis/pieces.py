@@ -7,7 +7,7 @@ Source: G. Farin, Curves and Surfaces for CAGD, 5th ed., ch. 5 and 6 (convex hul
 diminishing, de Casteljau's subdivision).
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from itertools import pairwise
 from math import comb
@@ -42,9 +42,10 @@ class Piece:
         self.a, self.b = a, b
 
     @classmethod
-    def of(cls, a: list[float]) -> "Piece":
+    def of(cls, a: Sequence[float] | Array) -> "Piece":
         """Return the polynomial of these ascending powers."""
-        return cls(a, bernstein(len(a)).dot(a).tolist())
+        powers = np.asarray(a, float)
+        return cls(powers.tolist(), bernstein(len(powers)).dot(powers).tolist())
 
     def at(self, t: float) -> float:
         """Return the value at t."""

@@ -122,11 +122,10 @@ class Waveform:
 
     def _pieces(self, i: int, sign: float) -> list[tuple[float, float, Piece]]:
         """Return (begin, span, polynomial) of the stretches of row i's sample, times ``sign``."""
-        z = self.states[:, i] if sign > 0 else -self.states[:, i]
-        return [
-            (part.begin, part.span, Piece.of(part.rows.dot(z).tolist()))
-            for part in self.motion.stretches
-        ]
+        z, out = self.states[:, i] if sign > 0 else -self.states[:, i], []
+        for part in self.motion.stretches:
+            out.append((part.begin, part.span, Piece.of(part.rows.dot(z))))
+        return out
 
 
 def _last_outside(piece: Piece, final: float, band: float) -> float | None:
