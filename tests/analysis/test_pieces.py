@@ -68,10 +68,3 @@ def test_two_crossings_between_neighbours_of_one_sign():
     low, high = piece.crossings(1e-3)
     assert (low + high) / 2 == pytest.approx(0.5, rel=1e-12)
     assert high - low == pytest.approx((1e-3 - 1e-4) ** 0.5, rel=1e-9)
-
-
-def test_turned_upside_down():
-    piece = Piece.of([0.0, 1.0, -1.0])
-    assert piece.turned(1.0) is piece
-    assert piece.turned(-1.0).at(0.5) == -0.25
-    assert piece.turned(-1.0).b == [-c for c in piece.b]

@@ -19,7 +19,7 @@ from zoh.analysis.realised import realised
 from zoh.errors import SpecError
 from zoh.lti import digits
 from zoh.lti.systems import Plant, Sampled
-from zoh.sampling.between import Held
+from zoh.sampling.between import Held, Series
 from zoh.sampling.hold import MAX_DELAY, whole_samples
 
 Excitation = Literal["step", "impulse", "ramp", "disturbance"]
@@ -198,31 +198,23 @@ def _between(held: Held, before: Array, after: Array, lead: Decimal) -> tuple[li
 
     The plant's input is ``before`` until 1 - lead, then ``after``.
     """
+    n = len(held.c)
+    at = np.eye(n + 1, len(before))  # state and input as rows on Z
+    at[n] = before
     if not lead:
-        return _stretches(held, None, before, 0.0, 1.0), _mixed(held.move(1.0), None, before)
+        weights, series = held.over(1.0)
+        return _stretches(series, at, 0.0), weights.dot(at)
     with digits.precision(digits.KEPT):
         switch = 1 - lead
-    n, moved = len(held.c), _mixed(held.move(switch), None, before)
-    x = moved.copy()
-    x[:, :n] += np.eye(n)
-    first = _stretches(held, None, before, 0.0, float(switch))
-    second = _stretches(held, x, after, float(switch), float(lead))
-    return (first + second if first and second else []), moved + _mixed(held.move(lead), x, after)
+    weights, series = held.over(switch)
+    moved, first = weights.dot(at), _stretches(series, at, 0.0)
+    at[:n] += moved
+    at[n] = after
+    weights, series = held.over(lead)
+    second = _stretches(series, at, float(switch))
+    return (first + second if first and second else []), moved + weights.dot(at)
 
 
-def _stretches(held: Held, x: Array | None, u: Array, begin: float, length: float) -> list[Stretch]:
-    """Return the stretches over a constant input u, from the state x at its begin on."""
-    return [
-        Stretch(begin=begin + t, span=span, rows=_mixed(held.taylor(t, span), x, u))
-        for t, span in held.stretches(length)
-    ]
-
-
-def _mixed(weights: tuple[Array, Array], x: Array | None, u: Array) -> Array:
-    """Return rows on Z from (rows on the state x, weights of the input u); None is x in Z."""
-    rows = weights[1][:, None] * u
-    if x is None:
-        rows[:, : weights[0].shape[1]] += weights[0]
-    else:
-        rows += weights[0] @ x
-    return rows
+def _stretches(series: Sequence[Series], at: Array, begin: float) -> list[Stretch]:
+    """Return the stretches after ``begin``, state and input there being the rows ``at``."""
+    return [Stretch(begin=begin + t, span=span, rows=rows.dot(at)) for t, span, rows in series]

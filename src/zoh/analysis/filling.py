@@ -4,14 +4,15 @@ What moves in a wide stretch is slow: a mode turns by a quarter of a radian at m
 sample shown to the next, so a few points show where in it to look.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from zoh.analysis.loop import Array
-from zoh.analysis.motion import Indices, Motion, Track
+from zoh.analysis.motion import BAND, NEAR, Indices, Motion, Track
 
 _LOOKED = 40  # the first crests, and the highest, that are looked at among many
 _ROUNDING = 1e-13  # of the largest: a crest that stands out by less does not
-_BAND = 0.02
 
 
 def wanted(k: Indices, seen: Array, final: float) -> list[int]:
@@ -32,11 +33,11 @@ def wanted(k: Indices, seen: Array, final: float) -> list[int]:
             marks |= _tops(k, a, begin, max(top, late_top))
         if late_bottom - near < bottom:
             marks |= _tops(k, -a, begin, -min(bottom, late_bottom))
-    y, size, band = seen[0], abs(final), _BAND * abs(final)
+    y, size, band = seen[0], abs(final), BAND * abs(final)
     if (ends[0][0] if final >= 0 else -ends[1][0]) < 0.9 * size:
         up = y if final >= 0 else -y
         marks.update(int((up >= level * size).argmax()) for level in (0.1, 0.9))
-    if max(ends[2][0] - final, final - ends[3][0]) > 0.9 * band:
+    if max(ends[2][0] - final, final - ends[3][0]) > NEAR * band:
         off = np.abs(y - final)
         outside = (off > band).nonzero()[0]
         after = int(outside[-1]) if len(outside) else 0
@@ -79,4 +80,4 @@ def filled(motion: Motion, track: Track, rows: list[int]) -> Track:
         at = i + 1
     ks.append(k[at:])
     zs.append(states[:, at:])
-    return Track(k=np.concatenate(ks), states=np.concatenate(zs, axis=1), rests=track.rests)
+    return replace(track, k=np.concatenate(ks), states=np.concatenate(zs, axis=1))

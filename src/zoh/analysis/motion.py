@@ -25,6 +25,8 @@ _SLOWEST = 1e-14
 _AT_ONCE = 1e6  # the decay of a mode at z = 0
 _GONE = 20.0  # exp(-20) of what it was does not say where to look
 _TURN = 0.25  # rad that a mode turns at most from one sample shown to the next
+BAND = 0.02  # of its final value around that: in it a response has settled
+NEAR = 0.9  # of the band: what creeps on from there has settled
 STILL = 1e-4  # of the slowest mode is little enough to speak of rest
 _MOST = 1_000_000  # samples shown; a loop that needs more has thousands of swings
 
@@ -47,11 +49,13 @@ class Track:
     """A motion at the samples that show it.
 
     k, states  which samples, shape (K,), and Z there, shape (N, K), a column a sample
-    rests      whether what moves has come to rest by the last of them
+    horizon    the sample to which it is known; after the last shown it only creeps to its rest
+    rests      whether what moves has come to rest by the horizon
     """
 
     k: Indices
     states: Array
+    horizon: int
     rests: bool
 
 
@@ -105,29 +109,35 @@ class Motion:
         moved = np.linalg.eigvals(self.delta[: self.own, : self.own]).tolist()
         return sorted((_rate(complex(z)) for z in moved), key=_turn)
 
-    def track(self) -> Track:
-        """Return the motion from its start until its slowest mode is gone.
+    def track(self, final: float = 0.0) -> Track:
+        """Return the motion from its start until its slowest mode is gone; y comes to ``final``.
 
-        Every sample while fast modes live, then as few as show the slow ones. A mode too slow
-        for its eigenvalue to have a sign is followed as far as floats count.
+        Every sample while fast modes live, then as few as show the slow ones; none of one that
+        is left alone, does not swing and has y well within its band: that goes from where it is
+        to its rest, and no metric is there. A mode too slow for its eigenvalue to have a sign is
+        followed as far as floats count.
         """
         rates = self.rates()
         slowest = max(min((decay for decay, _ in rates), default=inf), _SLOWEST)
         end = max(8, ceil(-log(QUIET) / slowest) + 4 * len(self.delta))
         ks, zs, k, z, shown = [], [], 0, self.start, 0
         while k <= end and shown < _MOST:
-            doublings, until = _pace(rates, k, end)
+            alone, doublings, until = _pace(rates, k, end)
             stride = 1 << doublings
+            if alone and abs(float(self.output.dot(z)) - final) < NEAR * BAND * abs(final):
+                ks.append(np.array([k]))
+                zs.append(z[:, None])
+                k += stride * (-(-(end - k) // stride) + 1)
+                break
             count = min(-(-(until - k) // stride) + 1, _MOST - shown)
             states = self.run(z, count + 1, doublings)
             ks.append(np.arange(k, k + stride * count, stride))
             zs.append(states[:, :-1])
             k, z, shown = k + stride * count, states[:, -1], shown + count
         return Track(
-            k=np.concatenate(ks),
-            states=np.concatenate(zs, axis=1),
+            k=np.concatenate(ks), states=np.concatenate(zs, axis=1), horizon=k - stride,
             rests=k > end or slowest * k > -log(STILL),
-        )
+        )  # fmt: skip
 
 
 def _rate(moved: complex) -> tuple[float, float]:
@@ -144,18 +154,19 @@ def _turn(rate: tuple[float, float]) -> float:
     return rate[1]
 
 
-def _pace(rates: list[tuple[float, float]], k: int, end: int) -> tuple[int, int]:
-    """Return (doublings of the stride from sample k on, the sample until which it is kept)."""
+def _pace(rates: list[tuple[float, float]], k: int, end: int) -> tuple[bool, int, int]:
+    """Return (alone, doublings of the stride from sample k on, the sample until which it is kept).
+
+    One mode alone that does not swing has no crest, and a few samples show it.
+    """
     alive = [(decay, turn) for decay, turn in rates if decay * k <= _GONE]
-    fastest = alive[-1][1] if alive else 0.0
-    # one mode alone that does not swing has no crest, and a few samples show it
-    few = len(alive) == 1 and alive[0][0] == alive[0][1]
-    if few:
-        fastest = 0.0
-    most = max(1, (end - k) // (4 if few else 32))
+    alone = len(alive) == 1 and alive[0][0] == alive[0][1]
+    fastest = 0.0 if alone or not alive else alive[-1][1]
+    most = max(1, (end - k) // (4 if alone else 32))
     doublings = min(int(_TURN / max(fastest, _TURN / most)).bit_length() - 1, 60)
     if doublings < 0:
         doublings = 0
     over = [_GONE / decay for decay, turn in alive if decay > 0 and turn > _TURN / (4 << doublings)]
     wanted = max(over, default=float(end))
-    return doublings, min(end, max(k + (1 << doublings), ceil(wanted) if wanted < end else end))
+    until = min(end, max(k + (1 << doublings), ceil(wanted) if wanted < end else end))
+    return alone, doublings, until

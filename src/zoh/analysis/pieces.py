@@ -7,7 +7,7 @@ Source: G. Farin, Curves and Surfaces for CAGD, 5th ed., ch. 5 and 6 (convex hul
 diminishing, de Casteljau's subdivision).
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from itertools import pairwise
 from math import comb
@@ -42,9 +42,10 @@ class Piece:
         self.a, self.b = a, b
 
     @classmethod
-    def of(cls, a: list[float]) -> "Piece":
+    def of(cls, a: Sequence[float] | Array) -> "Piece":
         """Return the polynomial of these ascending powers."""
-        return cls(a, bernstein(len(a)).dot(a).tolist())
+        powers = np.asarray(a, float)
+        return cls(powers.tolist(), bernstein(len(powers)).dot(powers).tolist())
 
     def at(self, t: float) -> float:
         """Return the value at t."""
@@ -52,10 +53,6 @@ class Piece:
         for c in reversed(self.a):
             total = total * t + c
         return total
-
-    def turned(self, sign: float) -> "Piece":
-        """Return sign times the polynomial."""
-        return self if sign > 0 else Piece([-c for c in self.a], [-c for c in self.b])
 
     def slope(self) -> "Piece":
         """Return the derivative; that of a constant is 0."""
@@ -71,8 +68,8 @@ class Piece:
         >>> list(Piece.of([0.0, 0.0, 4.0]).crossings(1.0))
         [0.5]
         """
-        for low, high, rises in _brackets([c - level for c in self.b], 0.0, 1.0):
-            yield self._root(level, low, high, rises)
+        for low, high, ends in _brackets([c - level for c in self.b], 0.0, 1.0):
+            yield self._root(level, low, high, ends)
 
     def highest(self) -> tuple[float, float]:
         """Return (t, value) where the polynomial is largest on [0, 1].
@@ -83,15 +80,18 @@ class Piece:
         spots = [0.0, *self.slope().crossings(0.0), 1.0]
         return max(((t, self.at(t)) for t in spots), key=lambda spot: spot[1])
 
-    def _root(self, level: float, low: float, high: float, rises: bool) -> float:
-        """Return the one crossing between two times, by Newton's steps kept in the bracket."""
-        f_low, f_high = self.at(low) - level, self.at(high) - level
-        part = f_low / (f_low - f_high) if f_low != f_high else 0.5
+    def _root(self, level: float, low: float, high: float, ends: tuple[float, float]) -> float:
+        """Return the one crossing between two times, by Newton's steps kept in the bracket.
+
+        ends  how far from the level the polynomial is at both
+        """
+        left, right = ends
+        rises, powers = left < 0, self.a[::-1]
         # inside: at an end that is a crossing, too, rounding decides the sign
-        t = low + min(max(part, 0.02), 0.98) * (high - low)
+        t = low + min(max(left / (left - right), 0.02), 0.98) * (high - low)
         for _ in range(80):
             value, slope = 0.0, 0.0
-            for c in reversed(self.a):
+            for c in powers:
                 slope = slope * t + value
                 value = value * t + c
             value -= level
@@ -109,15 +109,17 @@ class Piece:
         return t
 
 
-def _brackets(b: list[float], low: float, high: float) -> Iterator[tuple[float, float, bool]]:
-    """Yield, in order, (low, high, rises), intervals with exactly one change of sign."""
+def _brackets(
+    b: list[float], low: float, high: float
+) -> Iterator[tuple[float, float, tuple[float, float]]]:
+    """Yield, in order, (low, high, values at both), intervals with exactly one change of sign."""
     changes, below = 0, b[0] < 0
     for c in b:
         if (c < 0) != below:
             below = not below
             changes += 1
     if changes == 1:
-        yield low, high, b[0] < 0
+        yield low, high, (b[0], b[-1])
     elif changes and high - low > _NARROW:
         left, right = _halved(b)
         middle = (low + high) / 2

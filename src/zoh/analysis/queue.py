@@ -75,7 +75,12 @@ def track(motion: Motion, at_rest: tuple[float, float | None]) -> Track:
         if quiet >= patience:
             break
     every = np.concatenate(blocks, axis=1)
-    return Track(k=np.arange(every.shape[1]), states=every, rests=still >= patience)
+    return Track(
+        k=np.arange(every.shape[1]),
+        states=every,
+        horizon=every.shape[1] - 1,
+        rests=still >= patience,
+    )
 
 
 def _blocks(motion: Motion, count: int) -> Iterator[tuple[Array, Array]]:

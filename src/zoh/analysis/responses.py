@@ -16,14 +16,13 @@ from zoh.analysis import queue
 from zoh.analysis.closed import Excitation, closed_loop
 from zoh.analysis.curves import Trace, trace_of
 from zoh.analysis.loop import Array, Loop
-from zoh.analysis.motion import Motion
+from zoh.analysis.motion import BAND, Motion
 from zoh.analysis.stability import closed_loop_stable
 from zoh.analysis.waveform import Waveform
 from zoh.errors import SpecError
 from zoh.lti.systems import Plant, Sampled
 from zoh.sampling.hold import sample
 
-BAND = 0.02
 _NOTHING = 1e-10  # what stands out by less does not
 
 
@@ -72,7 +71,7 @@ def response(
     if by == "ramp":
         motion = _error(motion)
     limit = effort_at_rest if abs(effort_at_rest) < inf else None
-    track = queue.track(motion, (final, limit)) if motion.wait else motion.track()
+    track = queue.track(motion, (final, limit)) if motion.wait else motion.track(final)
     wave = Waveform.of(motion, track, final)
     t, peak = max(wave.highest_between(1.0), wave.highest_between(-1.0), key=_second)
     settled = wave.settles_between(final, BAND * max(peak, abs(final)))
@@ -83,7 +82,7 @@ def response(
         final_value=final,
         settling_time=settled if track.rests else None,
         peak_effort=inf if limit is None else max(abs(limit), float(np.abs(wave.u).max())),
-        horizon=float(track.k[-1]) * motion.dt,
+        horizon=track.horizon * motion.dt,
     )
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from zoh.analysis import queue
 from zoh.analysis.closed import autonomous, closed_loop, continuous
 from zoh.analysis.loop import Loop
-from zoh.analysis.motion import Motion, Track
+from zoh.analysis.motion import BAND, Motion, Track
 from zoh.analysis.results import StepInfo
 from zoh.analysis.stability import hurwitz_floats
 from zoh.analysis.waveform import Waveform
@@ -21,7 +21,6 @@ from zoh.lti import poly
 from zoh.lti.systems import Plant, Sampled
 
 RISE = (0.1, 0.9)
-BAND = 0.02
 _NOTHING = 1e-10  # an overshoot below this part of the final value is rounding
 
 
@@ -47,7 +46,7 @@ def step_info(system: Plant | Sampled) -> StepInfo:
         rates = np.abs(poly.roots(loop.den))
         motion = continuous(system, 1.0 / float(rates.max()) if rates.size else 1.0)
         late = system.dead_time
-    seen = _Seen.of(motion, motion.track(), final, 1.0, late)
+    seen = _Seen.of(motion, motion.track(final), final, 1.0, late)
     return seen.at_samples() if isinstance(system, Sampled) else seen.between()
 
 
@@ -61,18 +60,20 @@ def closed_loop_step(
     """
     motion = closed_loop(plant, controller, compute_delay)
     final, at_rest = _gains_at_rest(plant, controller)
-    track = queue.track(motion, (final, at_rest)) if motion.wait else motion.track()
+    track = queue.track(motion, (final, at_rest)) if motion.wait else motion.track(final)
     seen = _Seen.of(motion, track, final, reference)
-    u, wave = seen.wave.u, seen.wave
-    ends = sorted((reference * min(at_rest, u.min()), reference * max(at_rest, u.max())))
+    wave = seen.wave
+    top, bottom = int(wave.u.argmax()), int(wave.u.argmin())
+    most, least = float(wave.u[top]), float(wave.u[bottom])
+    ends = sorted((reference * min(at_rest, least), reference * max(at_rest, most)))
     peak = max(-ends[0], ends[1])
-    last = int(np.abs(u).argmax())
-    reached = abs(reference) * abs(float(u[last])) >= peak * (1 - _NOTHING)
+    last = top if (most, bottom) > (-least, top) else bottom  # the first of both
+    reached = abs(reference) * max(most, -least) >= peak * (1 - _NOTHING)
     return seen.at_samples(
         between_samples=seen.between() if motion.stretches else None,
-        peak_effort=float(peak),
+        peak_effort=peak,
         peak_effort_time=float(wave.k[last]) * motion.dt if reached else None,
-        effort_range=(float(ends[0]), float(ends[1])),
+        effort_range=(ends[0], ends[1]),
     )
 
 
@@ -91,13 +92,14 @@ class _Seen:
     """A waveform that settles to ``final``.
 
     reference  the size of the step;  late  s, when the response begins
-    rests      whether it has come to rest by the horizon
+    horizon    s, to which it is known;  rests  whether it has come to rest by then
     """
 
     wave: Waveform
     final: float
     reference: float
     late: float
+    horizon: float
     rests: bool
 
     @classmethod
@@ -105,7 +107,10 @@ class _Seen:
         cls, motion: Motion, track: Track, final: float, reference: float, late: float = 0.0
     ) -> "_Seen":
         wave = Waveform.of(motion, track, final)
-        return cls(wave=wave, final=final, reference=reference, late=late, rests=track.rests)
+        return cls(
+            wave=wave, final=final, reference=reference, late=late,
+            horizon=track.horizon * motion.dt + late, rests=track.rests,
+        )  # fmt: skip
 
     def at_samples(self, **more: Any) -> StepInfo:
         """Return the metrics at the samples, ``more`` beside them."""
@@ -130,13 +135,12 @@ class _Seen:
     ) -> StepInfo:
         (t, peak), (t_low, low) = ends
         size, final = abs(self.final), self.final * self.reference
-        horizon = float(self.wave.k[-1]) * self.wave.motion.dt + self.late
         if size == 0:
             if low > peak:
                 t, peak = t_low, low
             return StepInfo(
                 peak=max(peak, 0.0) * abs(self.reference), peak_time=t + self.late,
-                final_value=0.0, steady_state_error=self.reference, horizon=horizon, **more,
+                final_value=0.0, steady_state_error=self.reference, horizon=self.horizon, **more,
             )  # fmt: skip
         over, under = peak / size - 1, low / size
         first, last = times
@@ -149,7 +153,7 @@ class _Seen:
             peak_time=t + self.late if over > _NOTHING else None,
             final_value=final,
             steady_state_error=self.reference - final,
-            horizon=horizon,
+            horizon=self.horizon,
             **more,
         )
 

@@ -26,7 +26,7 @@ class Waveform:
     k, states  the samples at which the state is known, shape (K,), and it, shape (N, K)
     y, u       the output and the effort there, shape (K,)
     low, high  bounds of the output from each sample to the next, shape (K,)
-    rounding   what is too small to count
+    top, bottom  the rows where y is largest and least
     """
 
     motion: Motion
@@ -36,7 +36,8 @@ class Waveform:
     u: Array
     low: Array
     high: Array
-    rounding: float
+    top: int
+    bottom: int
 
     @classmethod
     def of(cls, motion: Motion, track: Track, final: float) -> "Waveform":
@@ -47,34 +48,34 @@ class Waveform:
         while rows := wanted(track.k, seen, final):
             track = filled(motion, track, rows)
             seen = both.dot(track.states)
-        low, high = bounds(motion, track.states, seen[0])
-        scale = max(float(high.max()), -float(low.min()))
+        y, u = seen
+        low, high = bounds(motion, track.states)
         return cls(
-            motion=motion, k=track.k, states=track.states, y=seen[0], u=seen[1],
-            low=low, high=high, rounding=_ROUNDING * scale,
+            motion=motion, k=track.k, states=track.states, y=y, u=u, low=low, high=high,
+            top=int(y.argmax()), bottom=int(y.argmin()),
         )  # fmt: skip
 
     def highest(self, sign: float) -> tuple[float, float]:
         """Return (time in s, sign * y) where that is largest at the samples."""
-        i = int(self.y.argmax() if sign > 0 else self.y.argmin())
+        i = self.top if sign > 0 else self.bottom
         return float(self.k[i]) * self.motion.dt, sign * float(self.y[i])
 
     def highest_between(self, sign: float) -> tuple[float, float]:
         """Return (time in s, sign * y) where that is largest at all times."""
+        t, value = self.highest(sign)
+        rounding = _ROUNDING * max(float(self.y[self.top]), -float(self.y[self.bottom]))
         bound = self._bound(sign)
-        i = int(self.y.argmax() if sign > 0 else self.y.argmin())
-        best = float(self.k[i]), sign * float(self.y[i])
-        rows = (bound > best[1] + self.rounding).nonzero()[0]
+        rows = (bound > value + rounding).nonzero()[0]
         if len(rows) > 1:
             rows = rows[(-bound[rows]).argsort(kind="stable")]
         for i in rows.tolist():
-            if bound[i] <= best[1] + self.rounding:
+            if bound[i] <= value + rounding:
                 break
             for begin, span, piece in self._pieces(i, sign):
-                t, value = piece.highest()
-                if value > best[1]:
-                    best = float(self.k[i]) + begin + span * t, value
-        return best[0] * self.motion.dt, best[1]
+                at, high = piece.highest()
+                if high > value:
+                    t, value = (float(self.k[i]) + begin + span * at) * self.motion.dt, high
+        return t, value
 
     def reaches(self, level: float, sign: float) -> float | None:
         """Return the first sample's time in s at which sign * y >= level; None if never."""
@@ -121,10 +122,9 @@ class Waveform:
 
     def _pieces(self, i: int, sign: float) -> list[tuple[float, float, Piece]]:
         """Return (begin, span, polynomial) of the stretches of row i's sample, times ``sign``."""
-        out = []
+        z, out = self.states[:, i] if sign > 0 else -self.states[:, i], []
         for part in self.motion.stretches:
-            a = part.rows.dot(self.states[:, i]).tolist()
-            out.append((part.begin, part.span, Piece.of(a).turned(sign)))
+            out.append((part.begin, part.span, Piece.of(part.rows.dot(z))))
         return out
 
 
@@ -137,16 +137,15 @@ def _last_outside(piece: Piece, final: float, band: float) -> float | None:
     return max(leaves, default=0.0 if abs(piece.a[0] - final) > band else None)
 
 
-def bounds(motion: Motion, states: Array, y: Array) -> tuple[Array, Array]:
+def bounds(motion: Motion, states: Array) -> tuple[Array, Array]:
     """Return (low, high), bounds of the output between each sample and the next."""
-    rows = [bernstein(len(part.rows)).dot(part.rows) for part in motion.stretches]
-    if not rows:
-        return y, y
-    every = rows[0] if len(rows) == 1 else np.concatenate(rows)
-    low, high = np.empty_like(y), np.empty_like(y)
-    wide = max(1, _CELLS // len(every))
-    for begin in range(0, len(y), wide):
-        values = every.dot(states[:, begin : begin + wide])
+    parts = [bernstein(len(part.rows)).dot(part.rows) for part in motion.stretches]
+    rows = np.concatenate([motion.output[None], *parts])
+    count = states.shape[1]
+    low, high = np.empty(count), np.empty(count)
+    wide = max(1, _CELLS // len(rows))
+    for begin in range(0, count, wide):
+        values = rows.dot(states[:, begin : begin + wide])
         values.min(axis=0, out=low[begin : begin + wide])
         values.max(axis=0, out=high[begin : begin + wide])
-    return np.minimum(low, y), np.maximum(high, y)
+    return low, high

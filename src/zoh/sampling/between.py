@@ -24,6 +24,7 @@ from zoh.lti.systems import Plant
 from zoh.sampling.ring import StepResponse, digits_needed
 
 Array = npt.NDArray[np.float64]
+Series = tuple[float, float, Array]  # begin, span, coefficients
 
 GENTLE = 0.5  # rad that the fastest mode turns at most where floats serve
 SPAN = 2.0  # rad that a live mode turns at most in a stretch with one Taylor series
@@ -58,38 +59,47 @@ class Held:
         # Lagrange's bound of the roots: the two largest together
         return cls(plant=plant, dt=dt, low=low, c=c, d=d, size=sum(sizes[-2:]))
 
-    def move(self, t: float | Decimal) -> tuple[Array, Array]:
-        """Return (Phi(t) - I, Gamma(t)) for a fraction t of a sample, shapes (n, n) and (n,)."""
-        n = len(self.low)
-        if self.size * float(t) > GENTLE:
-            response, precision = self._exact(float(t))
-            with digits.precision(precision):
-                exact = response.exponential(Decimal(t))
-                exact[0] -= 1
-                return _split(_derivatives(response, exact, n), response.modulus[1:])
-        if not n:
-            return np.zeros((0, 0)), np.zeros(0)
-        first = [1.0] + [0.0] * (n - 1)
-        on_state, on_input = self._series(first, float(t), self.terms(float(t)))
-        row, weight = [sum(column[:0:-1]) for column in zip(*on_state, strict=True)], sum(on_input)
-        rows, weights = [row], [weight]
-        for _ in range(1, n):  # the derivative of x_0 is x_1, and so on
-            top = row[-1]
-            weights.append(top)
-            row = [b - top * c for b, c in zip((0.0, *row), self.low, strict=False)]
-            rows.append(row)
-        return np.array(rows), np.array(weights)
+    def over(self, t: float | Decimal) -> tuple[Array, list[Series]]:
+        """Return what the state moves by over a fraction t of a sample, and y's series in it.
 
-    def taylor(self, t: float, span: float) -> tuple[Array, Array]:
-        """Return y's series from t on, as rows on state and input at 0, (terms, n) and (terms,).
-
-        In powers of the time after t in units of ``span``.
+        The first has shape (n, n + 1), Phi(t) - I beside Gamma(t). A series is (begin, span,
+        rows), rows of shape (terms, n + 1) on state and input at 0, in powers of the time after
+        begin in units of span; there are none where there would be too many.
         """
+        n, length = len(self.low), float(t)
+        if not n:
+            return np.zeros((0, 1)), [(0.0, length, np.array([[self.d]]))]
+        if self.size * length > GENTLE:
+            parts = [(a, span, self._taylor(a, span)) for a, span in self._stretches(length)]
+            return self._move(t), parts
+        first = self._series([1.0] + [0.0] * (n - 1), length)
+        rows, low = [[sum(column[:0:-1]) for column in zip(*first, strict=True)]], (*self.low, -1.0)
+        for _ in range(1, n):  # the derivative of x_0 is x_1, and so on
+            top = rows[-1][-2]
+            shifted = zip((0.0, *rows[-1][:-2], 0.0), low, strict=True)
+            rows.append([a - top * b for a, b in shifted])
+        if any(self.c[1:]):
+            series = np.array(self._series(list(self.c), length))
+        else:  # without zeros y is x_0 but for its size
+            series = self.c[0] * np.array(first)
+        series[0, n] += self.d
+        return np.array(rows), [(0.0, length, series)]
+
+    def _move(self, t: float | Decimal) -> Array:
+        """Return Phi(t) - I beside Gamma(t), in digits."""
+        response, precision = self._exact(float(t))
+        with digits.precision(precision):
+            exact = response.exponential(Decimal(t))
+            exact[0] -= 1
+            return _split(_derivatives(response, exact, len(self.low)), response.modulus[1:])
+
+    def _taylor(self, t: float, span: float) -> Array:
+        """Return y's series from t on."""
         terms = self.terms(span)
         if not t:
-            on_state, on_input = self._series(list(self.c), span, terms)
-            on_input[0] += self.d
-            return np.array(on_state).reshape(terms, len(self.c)), np.array(on_input)
+            rows = np.array(self._series(list(self.c), span))
+            rows[0, -1] += self.d
+            return rows
         response, precision = self._exact(t)
         with digits.precision(precision + int(terms * max(0.0, log10(self.size)))):
             exact = response.exponential(Decimal(t))
@@ -97,25 +107,22 @@ class Held:
             for weight in reversed(_exactly(self.plant, self.dt)[1]):
                 shifted = response.times_sigma(q)
                 q = [a + weight * b for a, b in zip(shifted, exact, strict=True)]
-            rows, inputs = _split(_derivatives(response, q, terms), response.modulus[1:])
-        scale = np.array([span**j / factorial(j) for j in range(terms)])
-        inputs *= scale
-        inputs[0] += self.d
-        return rows * scale[:, None], inputs
+            rows = _split(_derivatives(response, q, terms), response.modulus[1:])
+        rows *= np.array([[span**j / factorial(j)] for j in range(terms)])
+        rows[0, -1] += self.d
+        return rows
 
-    def _series(
-        self, row: list[float], t: float, terms: int
-    ) -> tuple[list[list[float]], list[float]]:
+    def _series(self, row: list[float], t: float) -> list[list[float]]:
         """Return t^j/j! times the j-th derivatives of ``row`` x, on the state and on the input."""
-        rows, weights, low = [row], [0.0], self.low
-        for j in range(1, terms):
-            step, top = t / j, row[-1]
-            weights.append(top * step)
-            row = [(b - top * c) * step for b, c in zip((0.0, *row), low, strict=False)]
+        low, row = (*self.low, -1.0), [*row, 0.0]
+        rows = [row]
+        for j in range(1, self.terms(t)):
+            step, top = t / j, row[-2]
+            row = [(a - top * b) * step for a, b in zip((0.0, *row[:-2], 0.0), low, strict=True)]
             rows.append(row)
-        return rows, weights
+        return rows
 
-    def stretches(self, length: float) -> list[tuple[float, float]]:
+    def _stretches(self, length: float) -> list[tuple[float, float]]:
         """Return (begin, span) of stretches of [0, length] short enough for one Taylor series.
 
         A mode that is over does not count, as long as its series, too, stays below what is left
@@ -194,8 +201,12 @@ def _derivatives(response: StepResponse, element: list[Decimal], count: int) -> 
     return out
 
 
-def _split(rows: Sequence[Sequence[Decimal]], low: Sequence[Decimal]) -> tuple[Array, Array]:
-    """Return polynomials mod sigma den as (rows on the state, weights of the input)."""
+def _split(rows: Sequence[Sequence[Decimal]], low: Sequence[Decimal]) -> Array:
+    """Return polynomials mod sigma den as rows on the state and, last, on the input."""
     n = len(low)
-    on_state = [[float(a - row[n] * b) for a, b in zip(row, low, strict=False)] for row in rows]
-    return np.array(on_state).reshape(len(rows), n), np.array([float(row[n]) for row in rows])
+    return np.array(
+        [
+            [*(float(a - row[n] * b) for a, b in zip(row, low, strict=False)), float(row[n])]
+            for row in rows
+        ]
+    )
