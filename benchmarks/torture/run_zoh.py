@@ -35,7 +35,7 @@ def loop(spec: Spec) -> zoh.Plant | zoh.Sampled:
 def answer(spec: Spec) -> Answer:
     try:
         with warnings.catch_warnings():  # the truth of rounded coefficients is that of these
-            warnings.simplefilter("ignore", zoh.RoundingWarning)
+            warnings.simplefilter("ignore", zoh.AccuracyWarning)
             m = zoh.margins(loop(spec))
     except Exception as error:  # whatever a tool raises is its answer
         return Answer(error=f"{type(error).__name__}: {error}")

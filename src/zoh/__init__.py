@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     )
     from zoh.analysis.verify import Measured, Verified, measure, verify
     from zoh.certificate import LAWS
-    from zoh.errors import Infeasible, NotMet, RoundingWarning, SpecError, ZohError
+    from zoh.errors import AccuracyWarning, Infeasible, NotMet, SpecError, ZohError
     from zoh.lti.coherence import random_error
     from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
     from zoh.lti.systems import Plant, Sampled
@@ -43,6 +43,7 @@ __all__ = [
     "EXCITATIONS",
     "LAWS",
     "METHODS",
+    "AccuracyWarning",
     "Certificate",
     "Crossover",
     "FrequencyResponse",
@@ -54,7 +55,6 @@ __all__ = [
     "Proof",
     "Requirements",
     "Response",
-    "RoundingWarning",
     "Sampled",
     "SpecError",
     "StepInfo",
@@ -106,7 +106,7 @@ _HOMES = {
     ),
     "zoh.analysis.verify": ("Measured", "Verified", "measure", "verify"),
     "zoh.certificate": ("LAWS",),
-    "zoh.errors": ("Infeasible", "NotMet", "RoundingWarning", "SpecError", "ZohError"),
+    "zoh.errors": ("Infeasible", "NotMet", "AccuracyWarning", "SpecError", "ZohError"),
     "zoh.lti.coherence": ("random_error",),
     "zoh.lti.frequency_response": ("FrequencyResponse", "TabledLoop"),
     "zoh.lti.systems": ("Plant", "Sampled"),

@@ -69,8 +69,8 @@ class Infeasible(ZohError):
         return advice
 
 
-class RoundingWarning(UserWarning):
-    """What the given z-coefficients have lost to rounding is part of an answer."""
+class AccuracyWarning(UserWarning):
+    """A figure is not what it seems: rounding of z-coefficients has lost it, or no proof holds."""
 
 
 class NotMet(ZohError):

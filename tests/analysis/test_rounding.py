@@ -36,7 +36,7 @@ def test_an_ordinary_sample_time_is_not_doubted(dt):
 def test_at_ten_microseconds_the_typed_loop_is_lost_and_the_built_one_is_not():
     built = pid_loop(1e-5)
     assert margins(built).warnings == ()
-    with pytest.warns(zoh.RoundingWarning, match=r"phase margin .* build the loop from its"):
+    with pytest.warns(zoh.AccuracyWarning, match=r"phase margin .* build the loop from its"):
         typed = margins(as_typed(built))
     assert len(typed.warnings) == 1
     assert typed.to_dict()["warnings"] == list(typed.warnings)
@@ -82,7 +82,7 @@ def test_the_bound_is_what_changing_last_bits_does(dt):
 
 def test_the_report_says_so_once():
     typed = as_typed(pid_loop(1e-5))
-    with pytest.warns(zoh.RoundingWarning) as told:
+    with pytest.warns(zoh.AccuracyWarning) as told:
         margins(typed)
     assert len(told) == 1
     assert told[0].filename == __file__

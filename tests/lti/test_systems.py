@@ -156,7 +156,7 @@ def test_from_w_is_the_fraction_in_w(num, den, delay):
     "make",
     [
         lambda: Sampled.from_w(num_w=[1e300, 0, 0], den_w=[1e-300, 1e-300, 1.0], dt=1e-5),
-        lambda: Sampled(num=[1], den=[1, 0, 0], dt=1e200),
+        lambda: Sampled(num=[1], den=[1, 0.5, 0.25], dt=1e200),
     ],
 )
 def test_coefficients_that_no_float_holds_are_refused(make):

@@ -269,9 +269,17 @@ def test_refuses_poles_whose_plant_is_improper():
     with pytest.raises(SpecError, match="no pole at z = -1"):
         undiscretise(Sampled(num=[1], den=[1, 1], dt=0.1), "prewarp", 3.0)
     with pytest.raises(SpecError, match="no pole at z = 0"):
-        undiscretise(Sampled(num=[1], den=[1, 0], dt=0.1), "backward")
+        undiscretise(Sampled(num=[1, 1], den=[1, 0], dt=0.1), "backward")
     # the forward difference sends only infinity to infinity
-    assert undiscretise(Sampled(num=[1], den=[1, 0], dt=0.1), "forward").den == (0.1, 1)
+    assert undiscretise(Sampled(num=[1, 1], den=[1, 0], dt=0.1), "forward").den == (0.1, 1)
+
+
+@pytest.mark.parametrize("method", ["tustin", "forward", "backward", "zoh"])
+def test_a_typed_delay_comes_back_as_dead_time(method):
+    late = Sampled(num=[0.5], den=[1, -0.5, 0, 0], dt=0.1)
+    plant = undiscretise(late, method)
+    assert plant.dead_time == pytest.approx(0.2, rel=1e-15)
+    assert discretise(plant, 0.1, method).den == pytest.approx((1, -0.5, 0, 0), rel=1e-14)
 
 
 def test_refuses_what_is_no_sampled_system_and_no_method():

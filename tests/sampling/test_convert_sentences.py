@@ -109,7 +109,7 @@ BACK = [
     # z + 1 = 4/(2 - w); z = (2 + w)/(2 - w), at dt = 0.1 (1 + 0.05 w)
     (([1], [1, 1]), "tustin", IMPROPER.format(-1, [0.0, 2.0])),
     (([1], [1, 1]), "prewarp", IMPROPER.format(-1, [0.0, 2.0])),
-    (([1], [1, 0]), "backward", IMPROPER.format(0, [0.05, 1.0])),
+    (([1, 1], [1, 0]), "backward", IMPROPER.format(0, [0.05, 1.0])),
 ]  # fmt: skip
 
 

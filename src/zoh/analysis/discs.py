@@ -21,6 +21,7 @@ from zoh.analysis.squares import Below
 
 PEAK_TOL = 1e-6  # relative; nearer to a peak than this the intervals would become too many
 _ROUNDING = 1e-14  # of the sum of a polynomial's terms, added to each radius
+_REAL = 1e-12  # of its size, an imaginary part that is rounding
 _JUST_BEYOND = 1e-7  # of a root: far enough for its sign, near enough to have no other one
 _MOST = 400_000  # intervals
 _ROUNDS = 60  # halvings
@@ -179,7 +180,9 @@ def turns(loop: Loop, v: Array, found: int) -> Proof:
 
     def at(part: Stretch, x: Array) -> Array:
         top, bottom = part.at(x)
-        return np.asarray((top * np.conj(bottom)).imag)
+        side = (top * np.conj(bottom)).imag
+        real = (x == 0) & (np.abs(side) <= _REAL * np.abs(top * bottom))  # as all loops are there
+        return np.asarray(np.where(real, 0.0, side))
 
     parts = [part.over_powers() for part in stretches(loop, v)[: 1 if loop.dt is None else 2]]
     return _counted([_changes(part, value, slope, at) for part in parts], found)

@@ -26,7 +26,7 @@ from zoh.analysis.rounding import doubts
 from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import ON_DEN, ON_NUM, ON_OPPOSITE, Below, Squares
 from zoh.analysis.stability import closed_loop_stable
-from zoh.errors import RoundingWarning
+from zoh.errors import AccuracyWarning
 from zoh.lti import poly
 from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
 from zoh.lti.systems import Plant, Sampled
@@ -43,7 +43,7 @@ def margins(loop: Plant | Sampled | FrequencyResponse | TabledLoop) -> Margins:
 
     Frequencies are real ones in rad/s, below or at Nyquist's. For a table, or a controller
     times one, the result is a ``zoh.TableMargins``. Raises SpecError for what is no system; warns
-    (RoundingWarning, and in the answer's ``warnings``) where rounding of the z-coefficients given
+    (AccuracyWarning, and in the answer's ``warnings``) where rounding of the z-coefficients given
     has already lost a figure.
 
     >>> from math import pi
@@ -57,7 +57,7 @@ def margins(loop: Plant | Sampled | FrequencyResponse | TabledLoop) -> Margins:
         return table_margins(loop)
     found = measure_loop(Loop.of(loop))
     for sentence in found.warnings:
-        warn(sentence, RoundingWarning, stacklevel=2)
+        warn(sentence, AccuracyWarning, stacklevel=2)
     return found
 
 

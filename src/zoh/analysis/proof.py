@@ -20,6 +20,7 @@ from zoh.analysis.squares import Below, Squares
 from zoh.lti import whole
 from zoh.lti.whole import Whole
 
+_ROUNDING = 1e-13  # |D + N| of its terms where a loop runs through -1
 PEAK_TOL = 1e-9  # relative; what is proved of a peak is that no point is higher by more than this
 
 
@@ -78,11 +79,14 @@ def counted(a: Whole, found: int) -> Proof:
 
 def _least(squares: Squares, peak: Peak) -> Proof:
     """Return whether the ratio is nowhere below its least value found, but for PEAK_TOL."""
-    if (nothing := _nothing_below(peak)) or peak.least == inf:
-        return nothing or Proof(holds=False, method="none", detail="nothing to measure against")
+    below = squares.below(peak.below)
+    if nothing := _nothing_below(peak):
+        return nothing
+    if peak.least == inf:
+        return Proof(holds=not any(below), method="bound", detail="measured against 0 everywhere")
     level, unit = (peak.least**2 * (1 - 2 * PEAK_TOL)).as_integer_ratio()
     above = [unit * c for c in squares.closed]
-    method = whole.positive(whole.plus(above, squares.below(peak.below), -level), peak.v**2)
+    method = whole.positive(whole.plus(above, below, -level), peak.v**2)
     return Proof(
         holds=method is not None,
         method=method or "Sturm",
@@ -96,6 +100,6 @@ def _between(loop: Loop, v: Array, peak: Peak) -> Proof:
 
 
 def _nothing_below(peak: Peak) -> Proof | None:
-    if peak.least == 0.0:
-        return Proof(holds=True, method="bound", detail="0 is the least there is")
+    if peak.least <= _ROUNDING:
+        return Proof(holds=True, method="bound", detail="0 but for rounding, the least there is")
     return None

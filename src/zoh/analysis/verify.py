@@ -19,7 +19,7 @@ from zoh.analysis.margins import measure_loop
 from zoh.analysis.results import Gains, Margins, StepInfo
 from zoh.analysis.stability import closed_loop_stable
 from zoh.analysis.step import closed_loop_step
-from zoh.errors import NotMet, RoundingWarning, SpecError
+from zoh.errors import AccuracyWarning, NotMet, SpecError
 from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.systems import Plant, Sampled
 from zoh.lti.written import fraction, number
@@ -178,7 +178,7 @@ def measure(
     sampled = sample(plant, controller.dt, compute_delay)
     margins = measure_loop(Loop.of(controller, sampled))
     for sentence in margins.warnings:
-        warn(sentence, RoundingWarning, stacklevel=2)
+        warn(sentence, AccuracyWarning, stacklevel=2)
     step = None
     if margins.stable:
         step = closed_loop_step(plant, controller, compute_delay=compute_delay, reference=reference)

@@ -18,7 +18,7 @@ import zoh
 from zoh.app import files
 from zoh.app.commands import Entry, check_all, design_all, hidden_instability, to_dict, warnings
 from zoh.app.project import Project, read
-from zoh.errors import Infeasible, NotMet, RoundingWarning, SpecError, ZohError
+from zoh.errors import AccuracyWarning, Infeasible, NotMet, SpecError, ZohError
 
 MET, NOT_MET, BAD_INPUT = 0, 1, 2
 DEFECT = 70  # EX_SOFTWARE: neither the input nor the specification is to blame
@@ -41,7 +41,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         if sys.stdout is None:
             return _fail(BAD_INPUT, "standard output must be open, got a closed one: redirect it")
         with np.errstate(over="raise", invalid="raise", divide="raise"), catch_warnings():
-            simplefilter("ignore", RoundingWarning)  # said with the design it is about
+            simplefilter("ignore", AccuracyWarning)  # said with the design it is about
             code: int = arguments.run(arguments)
         sys.stdout.flush()  # a reader that left is noticed here, not at exit
     except BrokenPipeError:
