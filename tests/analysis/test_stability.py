@@ -1,0 +1,96 @@
+"""Stable or not, on both sides of boundaries worked by hand."""
+
+from math import atan, pi, sin, sqrt
+
+import numpy as np
+import pytest
+
+from zoh.analysis import stability
+from zoh.analysis.loop import Loop
+from zoh.analysis.stability import _none_encircled, _turns, _with_delay, closed_loop_stable
+from zoh.lti.systems import Plant, Sampled
+
+
+def z_late(num, den, m, dt=0.5):
+    """Return num_w/den_w z^-m."""
+    return Loop.of(Sampled.from_w(num_w=num, den_w=den, dt=dt, delay=m))
+
+
+def integrator(gain, m, dt=0.5):
+    """gain z^-m/(z - 1), whose poles leave the circle at gain = 2 sin(pi/(4 m + 2))."""
+    return z_late((-gain / 2, gain / dt), (1.0, 0.0), m, dt)
+
+
+@pytest.mark.parametrize("m", [0, 1, 2, 7, 59, 60, 61, 75])
+@pytest.mark.parametrize("dt", [0.5, 3.0])
+def test_an_integrator_some_samples_late(m, dt):
+    limit = 2 * sin(pi / (4 * m + 2))
+    assert closed_loop_stable(integrator(0.999 * limit, m, dt))
+    assert not closed_loop_stable(integrator(1.001 * limit, m, dt))
+    assert not closed_loop_stable(integrator(-0.001, m, dt))
+
+
+def test_a_delay_is_multiplied_in_up_to_sixty_samples(monkeypatch):
+    asked = []
+    monkeypatch.setattr(stability, "_none_encircled", lambda loop: asked.append(loop) or True)
+    assert not closed_loop_stable(integrator(5.0, 60))
+    assert closed_loop_stable(Loop.of(Plant(num=[1.0], den=[1.0, 1.0]))) and asked == []
+    assert closed_loop_stable(integrator(5.0, 61))
+    assert len(asked) == 1
+
+
+def test_the_polynomial_of_some_samples_by_hand():
+    """(w + 4)/(w + 2) with dt = 1: p = w/2, so (2p + 4)(1 - p)^2 + (2p + 2)(1 + p)^2."""
+    found = _with_delay(z_late((1.0, 4.0), (1.0, 2.0), 2, dt=1.0), 1.0, 2)
+    wanted = np.polymul([2, 4], [1, -2, 1]) + np.polymul([2, 2], [1, 2, 1])
+    factor = found[0] / wanted[0]
+    assert factor > 0
+    assert found == [int(factor * c) for c in wanted]
+    found = _with_delay(z_late((1.0, 4.0), (1.0, 2.0), 1, dt=1.0), 1.0, 1)
+    wanted = np.polymul([2, 4], [-1, 1]) + np.polymul([2, 2], [1, 1])
+    unit = found[2] / wanted[2]
+    assert found == [int(unit * c) for c in wanted]
+
+
+def late_lag(turn):
+    """Return the gain at which K exp(-s)/(s + 1) has a pair where w + arctan w is that."""
+    low, high = 0.0, turn
+    for _ in range(100):
+        w = (low + high) / 2
+        low, high = (w, high) if w + atan(w) < turn else (low, w)
+    return sqrt(1 + w * w)
+
+
+@pytest.mark.parametrize("scale", [1e-4, 1.0, 1e5])
+def test_a_late_lag_in_any_unit_of_time(scale):
+    limit = late_lag(pi)
+    for gain, stable in ((0.999 * limit, True), (1.001 * limit, False), (30.0, False), (0.5, True)):
+        plant = Plant(num=[gain / scale], den=[1.0, 1 / scale], dead_time=scale)
+        assert closed_loop_stable(Loop.of(plant)) is stable
+    assert not closed_loop_stable(Loop.of(Plant(num=[-1.001], den=[1.0, 1.0], dead_time=1.0)))
+    assert closed_loop_stable(Loop.of(Plant(num=[-0.999], den=[1.0, 1.0], dead_time=1.0)))
+
+
+@pytest.mark.parametrize(("gain", "stable"), [(0.99, True), (1.0, False), (1.01, False)])
+def test_a_gain_with_dead_time_is_stable_below_one(gain, stable):
+    for sign in (1, -1):
+        assert _none_encircled(Loop.of(Plant(num=[sign * gain], den=[1], dead_time=0.1))) is stable
+        lead = Plant(num=[sign * gain, 0.5], den=[1.0, 1.0], dead_time=0.1)
+        assert _none_encircled(Loop.of(lead)) is stable
+
+
+def test_modes_far_apart_and_a_dead_time():
+    """1/(s (1e-3 s + 1)) and 100 s of dead time: K 100 must stay below about pi/2."""
+    for gain, stable in ((0.015, True), (0.0157, True), (0.01572, False), (0.05, False)):
+        plant = Plant(num=[gain], den=[1e-3, 1.0, 0.0], dead_time=100.0)
+        assert closed_loop_stable(Loop.of(plant)) is stable
+
+
+def test_the_points_on_the_turns_of_a_delay():
+    late = Loop.of(Plant(num=[1.0], den=[1.0, 1.0], dead_time=2.0))
+    for scale, last in ((3.0, 30.0), (100.0, 300.0)):  # ten times the loop, 600 rad at most
+        v = _turns(late, scale)
+        assert (len(v), v[0], v[-1]) == (2000, 0.0, last)
+    v = _turns(integrator(1.0, 70), 1.0)  # 1400 points up to, not at, z = -1
+    w = 2 / 0.5 * np.arctan(v * 0.25)
+    assert w == pytest.approx(np.arange(1400) * pi / 1400 / 0.5, rel=1e-12)
