@@ -29,7 +29,7 @@ LOOPS = {
     "integrator, P": loop(0.0, 1.0, "0", "1/2", [0.75], [1.0]),
     "integrator, P, late": loop(0.0, 1.0, "5/16", "1/2", [0.75], [1.0]),
     "integrator, lag filter": loop(0.0, 2.0, "9/8", "1/4", [0.125, 0.0625], [1.0, -0.5]),
-    "integrator, second order": loop(0.0, 1.0, "1/8", "1/2", [0.5, -0.125], [1.0, -0.5, 0.125]),
+    "integrator, second order": loop(0.0, 1.0, "1/8", "1/2", [0.5, -0.11], [1.0, -0.5, 0.125]),
     "integrator, controller late": loop(0.0, 1.0, "1/8", "1/2", [0.25], [1.0, -0.25, 0.125]),
     "integrator, four samples": loop(0.0, 1.0, "2", "1/2", [0.25], [1.0]),
 }
