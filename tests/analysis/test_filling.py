@@ -182,3 +182,44 @@ def test_of_many_crests_the_first_and_the_highest_forty():
     first, highest = set(range(1, 80, 2)), set(range(121, 200, 2))
     assert tops(range(len(a)), a, 0, 1.0) == first | highest
     assert tops(range(len(a)), a[::-1], 0, 1.0) == first
+
+
+@pytest.mark.parametrize("final", [1.0, -1.0, 1e-6, -1e-6, 1e5])
+@pytest.mark.parametrize("effort", [5.0, -5.0, 0.0])
+def test_a_rise_seen_just_in_time_is_not_looked_for(final, effort):
+    # 0.9 is reached by the last sample before which nothing was left out
+    y = final * np.array([0, 0.2, 0.5, 0.8, *np.linspace(0.99, 1.0, 8)])
+    assert rows(y, effort * final * np.ones(12), final=final) == []
+
+
+@pytest.mark.parametrize("final", [1.0, -1.0])
+@pytest.mark.parametrize("effort", [5.0, -5.0, 0.0])
+def test_a_crest_well_inside_the_band_is_left(final, effort):
+    y = np.array([0, 1.5, 1.0, 1.004, *[1.004] * 8])
+    y[7] = 1.016
+    assert rows(final * y, effort * np.ones(12), final=final) == []
+    y[7] = 1.0195  # from there it may leave it
+    assert rows(final * y, effort * np.ones(12), final=final) == [6, 7]
+    y[7] = 0.981  # and so it may below
+    assert rows(final * y, effort * np.ones(12), final=final) == [6, 7]
+
+
+def test_a_response_inside_the_band_from_its_start():
+    y = np.ones(12)
+    y[6:9] = 1.01, 1.019, 1.01
+    # beside the crest, and where its feet may have dipped
+    assert rows(y) == [4, 5, 6, 7, 8, 9]
+    # where samples are left out from the first on, the first interval counts as well
+    assert rows(y, k=10 * np.arange(12)) == [0, 4, 5, 6, 7, 8, 9]
+
+
+def test_each_crest_has_its_own_gaps():
+    # gaps 1, 1, 10, 100: up by 1 in ten samples could be 10 in the next hundred
+    assert tops([0, 1, 2, 12, 112], [0, 0, 0, 1, 1], 0, 10.9) == {3}
+    assert tops([0, 1, 2, 12, 112], [0, 0, 0, 1, 1], 0, 11.1) == set()
+
+
+def test_of_many_equal_crests_the_first():
+    a = np.zeros(201)
+    a[1::2] = 1.0
+    assert tops(range(201), a, 0, 0.5) == set(range(1, 80, 2))

@@ -46,8 +46,10 @@ def test_what_leaves_the_queue_stands_in_its_place():
     assert left[motion.wait :] == pytest.approx(u[: count - motion.wait], rel=1e-13)
 
 
-def test_it_is_followed_until_it_has_been_quiet_for_four_delays():
-    late, gain = 70, 2.0**-8
+# of 77 samples four delays, the state's four samples with each, are five blocks of 64 exactly
+@pytest.mark.parametrize("late", [66, 70, 77])
+def test_it_is_followed_until_it_has_been_quiet_for_four_delays(late):
+    gain = 2.0**-8
     motion = loop(late, gain)
     track = queue.track(motion, (1.0, 0.0))
     assert track.rests
@@ -80,18 +82,34 @@ def test_what_never_rests_is_followed_to_the_limit_and_said(monkeypatch):
 
 
 def test_rest_is_a_ten_thousandth_and_quiet_a_hundred_millionth(monkeypatch):
-    motion = loop(70)
+    motion = loop(77)
     whole = queue.track(motion, (1.0, 0.0))
     y = motion.output @ whole.states
     u = motion.effort @ whole.states
     off = np.maximum(np.abs(y - 1) / y.max(), np.abs(u) / u[0])
     patience = 4 * (motion.wait + len(motion.delta))
-    last = int(np.nonzero(off > 1e-4)[0][-1])
-    for most, rests in ((last + patience + 128, True), (last + patience - 64, False)):
+    assert patience == 5 * 64
+    at_rest = (int(np.nonzero(off > 1e-4)[0][-1]) // 64 + 1) * 64  # from this block on
+    for most, rests in ((at_rest + patience, True), (at_rest + patience - 64, False)):
         monkeypatch.setattr(queue, "_MOST", most)
         track = queue.track(motion, (1.0, 0.0))
-        assert most <= len(track.k) < most + 64
+        assert len(track.k) == most
         assert track.rests is rests
+
+
+@pytest.mark.parametrize("seen", ["output", "effort"])
+def test_each_signal_is_measured_by_its_own_size(seen):
+    """An impulse of 1 makes both y and u 1/256 at most; the other one is not looked at here."""
+    plant = Plant(num=[1], den=[1, 0], dead_time=70.0)
+    motion = closed_loop(plant, Sampled(num=[2.0**-8], den=[1], dt=1.0), by="impulse")
+    if seen == "effort":
+        motion = replace(motion, output=0 * motion.output)
+    track = queue.track(motion, (0.0, 0.0) if seen == "effort" else (0.0, None))
+    signal = getattr(motion, seen) @ track.states
+    quiet = (np.abs(signal).reshape(-1, 64) <= 1e-8 * np.abs(signal).max()).all(axis=1)
+    needed = -(-4 * (motion.wait + len(motion.delta)) // 64)
+    assert quiet[-needed:].all()
+    assert not quiet[-needed - 1]
 
 
 def test_how_far_off_is_in_parts_of_the_largest_so_far():

@@ -58,3 +58,7 @@ def test_the_transfer_function_is_that_of_the_w_form(dt):
         )
         got = transfer(realised(system), delta)
         assert float(got / (top / bottom)) == pytest.approx(1.0, rel=1e-14)
+
+
+def test_the_smallest_of_all_numbers():
+    assert realised(Sampled(num=[5e-324], den=[1.0, -0.5], dt=2.0)) == ([0.5], [5e-324], 0.0)
