@@ -54,6 +54,26 @@ def test_the_last_sample_is_the_first_that_is_not_before_the_end():
     assert len(trace(INTEGRATOR, tenth, t_end=0.1 * 3).t) == 4  # and this a little above
 
 
+def test_one_point_a_sample_is_its_ends():
+    curve = trace(INTEGRATOR, HALF, t_end=1.0, per_sample=1)
+    assert curve.t_between.tolist() == [0.0, 0.5, 0.5, 1.0, 1.0, 1.5]
+    assert curve.y_between == pytest.approx(1 - 0.75 ** np.array([0, 1, 1, 2, 2, 3]), rel=1e-14)
+
+
+def test_curves_cannot_be_written_to():
+    curve = trace(INTEGRATOR, HALF, t_end=1.0)
+    for name in ("t", "y", "u", "t_between", "y_between"):
+        with pytest.raises(ValueError, match="read-only"):
+            getattr(curve, name)[0] = 1.0
+
+
+def test_what_the_module_gives_out():
+    given = {}
+    exec("from zoh.analysis.curves import *", given)
+    assert {"Trace", "trace", "trace_of"} <= set(given)
+    assert isinstance(given["trace"](INTEGRATOR, HALF, t_end=1.0), given["Trace"])
+
+
 def test_a_system_known_at_its_samples_alone():
     curve = trace_of(autonomous(Sampled(num=[0.5], den=[1, -0.5], dt=0.2)), 0.6)
     y = [0.0, 0.5, 0.75, 0.875]

@@ -159,3 +159,10 @@ def test_an_effort_that_is_only_approached_has_no_time():
     assert creeping.peak_effort == pytest.approx(1 / 3, rel=1e-12)
     assert creeping.peak_effort_time is None
     assert creeping.peak_time is None
+
+
+def test_what_the_module_gives_out():
+    given = {}
+    exec("from zoh.analysis.step import *", given)
+    assert {"closed_loop_step", "step_info"} <= set(given)
+    assert given["closed_loop_step"](INTEGRATOR, HALF).peak_effort == 0.5

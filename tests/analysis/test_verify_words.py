@@ -216,3 +216,17 @@ def test_lost_digits_are_warned_of_where_the_caller_stands(monkeypatch):
     with pytest.warns(zoh.RoundingWarning, match="^digits are lost$") as caught:
         measure(INTEGRATOR, HALF)
     assert [w.filename for w in caught] == [__file__]
+
+
+def test_what_the_module_gives_out():
+    given = {}
+    exec("from zoh.analysis.verify import *", given)
+    assert {"Measured", "Verified", "measure", "verified", "verify"} <= set(given)
+    assert isinstance(given["verify"](INTEGRATOR, HALF), given["Verified"])
+
+
+def test_nothing_is_missed_unless_it_is_said():
+    values = fields(measure(INTEGRATOR, HALF))
+    del values["misses"]
+    assert Measured(**values).misses == ()
+    assert Verified(**values).met

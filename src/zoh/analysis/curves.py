@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from math import ceil
-from typing import Any
 
 import numpy as np
 
@@ -85,8 +84,7 @@ def _between(motion: Motion, per_sample: int) -> tuple[Array, Array]:
     return np.concatenate(times), np.concatenate(rows)
 
 
-def _frozen(values: Any) -> Array:
-    a = np.asarray(values, float)
+def _frozen(a: Array) -> Array:
     a.flags.writeable = False
     return a
 
