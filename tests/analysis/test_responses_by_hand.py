@@ -193,3 +193,34 @@ def test_the_sum_of_squares_is_of_the_impulse_alone():
     assert squares[1, 1] == 1.0
     assert squares[0, 1] == squares[1, 0] == 0.0
     assert not squares[2].any()
+
+
+def test_a_late_loop_whose_effort_grows_is_waited_for_all_the_same():
+    # 1/(s + 1), 70 samples late, under (1/512)/(z - 1): Kv = 1/512, and u must grow with the ramp
+    plant = zoh.Plant(num=[1], den=[1, 1], dead_time=float(LATE))
+    got = zoh.response(plant, zoh.Sampled(num=[1 / 512], den=[1, -1], dt=1.0), by="ramp")
+    assert got.final_value == pytest.approx(512.0, rel=1e-12)
+    assert got.peak_effort == inf
+    assert 0 < got.settling_time < got.horizon < 20_000
+
+
+def test_what_was_not_followed_to_its_rest_has_not_settled(monkeypatch):
+    # it is within 2 % for good after 1200 samples, and at rest after 2600
+    plant = zoh.Plant(num=[1], den=[1, 0], dead_time=float(LATE))
+    controller = zoh.Sampled(num=[GAIN], den=[1], dt=1.0)
+    assert zoh.response(plant, controller, by="step").settling_time < 1500
+    monkeypatch.setattr(responses.queue, "_MOST", 1600)
+    assert zoh.response(plant, controller, by="step").settling_time is None
+
+
+def test_below_zero_is_a_peak_as_well():
+    down = zoh.Plant(num=[-1], den=[1, 0])
+    got = zoh.response(down, zoh.Sampled(num=[-0.5], den=[1], dt=1.0), by="disturbance")
+    assert (got.final_value, got.peak) == (-2.0, 2.0)
+    assert zoh.response(INTEGRATOR, HALF, by="step").peak == 1.0
+
+
+def test_twenty_points_a_sample_unless_asked():
+    assert len(zoh.response_trace(INTEGRATOR, HALF, by="step", t_end=1.0).t_between) == 2 * 21
+    few = zoh.response_trace(INTEGRATOR, HALF, by="step", t_end=1.0, per_sample=3)
+    assert len(few.t_between) == 2 * 4

@@ -230,3 +230,9 @@ def test_nothing_is_missed_unless_it_is_said():
     del values["misses"]
     assert Measured(**values).misses == ()
     assert Verified(**values).met
+
+
+def test_a_controller_is_written_in_z():
+    lead = Sampled(num=[2.0, -1.0], den=[1, -0.5], dt=0.125)
+    told = measure(INTEGRATOR, lead).report()
+    assert told.splitlines()[1] == "  D(z) = (2 z - 1)/(z - 0.5), dt = 0.125 s"
