@@ -161,6 +161,27 @@ def test_an_effort_that_is_only_approached_has_no_time():
     assert creeping.peak_time is None
 
 
+def test_an_effort_that_is_largest_later():
+    # one sample of 1/2, then 1: u(k) = e(k) + e(k-1), over 2 of 1/s at dt 1/4
+    fir = Sampled(num=[0.5, 0.5], den=[1, 0], dt=0.25)
+    got = closed_loop_step(INTEGRATOR, fir, reference=-4.0)
+    # y(1) = 1/8, so u(1) = (7/8 + 1)/2, and less ever after
+    assert got.peak_effort == pytest.approx(4 * 15 / 16, rel=1e-14)
+    assert got.peak_effort_time == 0.25
+    assert got.effort_range == pytest.approx((-3.75, 0.0), rel=1e-14)
+
+
+def test_a_loop_that_comes_back_to_nothing_in_the_size_of_its_reference():
+    # s/(s + 1) under 1/2, dt ln 2: y answers u = (r - y)/2 at once, y(0) = 1/3 r
+    got = closed_loop_step(
+        Plant(num=[1, 0], den=[1, 1]), Sampled(num=[0.5], den=[1], dt=log(2)), reference=-3.0
+    )
+    assert (got.peak, got.peak_time) == (pytest.approx(1.0, rel=1e-14), 0.0)
+    assert (got.final_value, got.steady_state_error) == (0.0, -3.0)
+    assert (got.between_samples.peak, got.between_samples.peak_time) == (got.peak, 0.0)
+    assert got.settling == "settles to 0"
+
+
 def test_what_the_module_gives_out():
     given = {}
     exec("from zoh.analysis.step import *", given)

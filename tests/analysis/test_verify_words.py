@@ -166,6 +166,7 @@ def test_everything_given_is_kept():
     assert (plain.law, plain.name, dict(plain.gains)) == ("given", "given", {})
     assert (plain.reference, plain.compute_delay) == (1.0, 0.0)
     assert plain.requirements == Requirements()
+    assert fields(verify(INTEGRATOR, HALF)) == fields(plain)
     assert measure(INTEGRATOR, HALF, law="pd").name == "pd"
 
 
