@@ -141,3 +141,33 @@ def test_a_half_by_hand():
     # (1 - 2 t)^2 - 1/4 falls in the left half and rises in the right
     halves = [(0.0, 0.5, False), (0.5, 1.0, True)]
     assert list(pieces._brackets([0.75, -1.25, 0.75], 0.0, 1.0)) == halves
+
+
+class Counted(list):
+    """Coefficients that count how often they are gone through."""
+
+    passes = 0
+
+    def __reversed__(self):
+        self.passes += 1
+        return super().__reversed__()
+
+
+def passes(a, level):
+    """Return how often a crossing needs the polynomial."""
+    piece = Piece.of(a)
+    piece.a = Counted(piece.a)
+    assert len(list(piece.crossings(level))) == 1
+    return piece.a.passes
+
+
+def test_a_crossing_costs_a_handful_of_evaluations():
+    # a straight line: both ends, and the value where its chord says, which is the crossing
+    for level in (0.25, 1.3125, 2.75):
+        assert passes([0.125, 3.0], level) == 3
+        assert passes([-0.125, -3.0], -level) == 3
+    # near an end the start is kept inside, and one step more is needed
+    assert passes([0.0, 1.0], 0.01) == passes([0.0, 1.0], 0.99) == 4
+    # a bent one: Newton's steps double the digits from about two on
+    assert passes([0.0, 2.0, -1.0], 0.5) <= 7
+    assert passes([1.0, 1.0, 0.5, 1 / 6, 1 / 24], 1.5) <= 7
