@@ -182,6 +182,26 @@ def test_a_loop_that_comes_back_to_nothing_in_the_size_of_its_reference():
     assert got.settling == "settles to 0"
 
 
+def test_a_bump_that_stays_below_a_tenth_is_no_rise():
+    """0.268 t exp(-t), at most 0.0986, beside 1 - exp(-t/1000), which alone goes on."""
+    # 0.268 s/(s + 1)^2 + 1/(1000 s + 1), over one denominator
+    num = [1 + 268.0, 2 + 0.268, 1.0]
+    got = step_info(Plant(num=num, den=[1000.0, 2001.0, 1002.0, 1.0]))
+    assert got.rise_time == pytest.approx(1000 * log(9), rel=1e-12)
+    assert got.settling_time == pytest.approx(1000 * log(50), rel=1e-12)
+    assert (got.overshoot_pct, got.undershoot_pct, got.peak_time) == (0.0, 0.0, None)
+
+
+@pytest.mark.parametrize("zeta", [0.3, 1.5])
+def test_upside_down_between_the_samples(zeta):
+    up = step_info(Plant(num=[3], den=[1, 2 * zeta, 1]))
+    down = step_info(Plant(num=[-3], den=[1, 2 * zeta, 1]))
+    for name in ("rise_time", "settling_time", "overshoot_pct", "undershoot_pct", "peak"):
+        assert getattr(down, name) == getattr(up, name)
+    assert (down.peak_time, down.final_value) == (up.peak_time, -3.0)
+    assert down.steady_state_error == 4.0
+
+
 def test_what_the_module_gives_out():
     given = {}
     exec("from zoh.analysis.step import *", given)
