@@ -65,7 +65,7 @@ def trace_of(motion: Motion, t_end: float, per_sample: int = 20, reference: floa
     dense = (np.arange(count)[:, None] + times[None, :]) * motion.dt
     effort = motion.output * 0 if motion.effort is None else motion.effort
     return Trace(
-        t=_frozen(motion.dt * np.arange(count)),
+        t=_frozen(dense[:, 0].copy()),
         y=_frozen(reference * (motion.output @ states)),
         u=_frozen(reference * (effort @ states)),
         t_between=_frozen(dense.ravel()),
