@@ -224,3 +224,20 @@ def test_twenty_points_a_sample_unless_asked():
     assert len(zoh.response_trace(INTEGRATOR, HALF, by="step", t_end=1.0).t_between) == 2 * 21
     few = zoh.response_trace(INTEGRATOR, HALF, by="step", t_end=1.0, per_sample=3)
     assert len(few.t_between) == 2 * 4
+
+
+def test_a_delay_of_the_computer_can_make_a_loop_unstable():
+    # 1.5/(z - 1) has its pole at -1/2; 1.5/(z (z - 1)) has two of size sqrt(1.5)
+    loud = zoh.Sampled(num=[1.5], den=[1], dt=1.0)
+    assert zoh.response(INTEGRATOR, loud, by="step").final_value == 1.0
+    with pytest.raises(zoh.SpecError, match="must make the closed loop stable"):
+        zoh.response(INTEGRATOR, loud, by="step", compute_delay=1.0)
+
+
+def test_an_effort_that_creeps_up_to_its_end():
+    # 2/(s^2 + 3 s + 2) is over in a sample of 20 s: u(k+1) = 31/32 u(k) + (1 - u(k-1))/64 -> 1/3
+    plant = zoh.Plant(num=[2], den=[1, 3, 2])
+    slow = zoh.Sampled(num=[1 / 64], den=[1, -31 / 32], dt=20.0)
+    got = zoh.response(plant, slow, by="step")
+    assert got.peak_effort == pytest.approx(1 / 3, rel=1e-13)
+    assert got.final_value == pytest.approx(1 / 3, rel=1e-13)
