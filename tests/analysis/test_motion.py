@@ -58,6 +58,13 @@ def test_rates_are_the_logarithms_fastest_last():
     assert np.array(found) == pytest.approx(np.array(wanted), rel=1e-14)
 
 
+def test_a_swing_that_hardly_dies_is_faster_than_a_lag_that_does():
+    found = of(turning(0.99, 3.0), 0.5).rates()
+    assert [turn for _, turn in found] == pytest.approx(
+        [log(2), *[hypot(log(0.99), 3.0)] * 2], rel=1e-13
+    )
+
+
 def test_a_rate_close_to_one_keeps_its_digits():
     assert of(1 - 2.0**-40).rates()[0] == pytest.approx((2.0**-40, 2.0**-40), rel=1e-11)
     ((decay, turn), _) = of(complex(1 - 2.0**-40, 2.0**-30)).rates()
