@@ -168,3 +168,11 @@ def test_a_motion_without_modes_is_shown_for_a_while():
     assert track.k[-1] >= 8
     assert (track.states == 1).all()
     assert track.rests
+
+
+def test_the_limit_is_that_of_all_samples_together(monkeypatch):
+    # 1990 samples while the fast one lives, then thousands of the slow one's
+    monkeypatch.setattr(room, "_MOST", 2500)
+    track = of(turning(0.99, 1.0), turning(1 - 1e-6, 1e-4)).track()
+    assert len(track.k) == 2500
+    assert not track.rests
