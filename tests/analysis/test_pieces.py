@@ -171,3 +171,12 @@ def test_a_crossing_costs_a_handful_of_evaluations():
     # a bent one: Newton's steps double the digits from about two on
     assert passes([0.0, 2.0, -1.0], 0.5) <= 7
     assert passes([1.0, 1.0, 0.5, 1 / 6, 1 / 24], 1.5) <= 7
+
+
+@pytest.mark.parametrize("root", [1 / 3, 0.3, 0.7, 0.1, 0.6180339887498949])
+def test_a_touch_that_rounding_makes_two_crossings_or_none(root):
+    for a in ([root, root], [root, root, 2.0], [root] * 4):
+        found = list(of_roots(a).crossings(0.0))
+        assert len(found) % 2 == 0
+        # 1e-3: the fourth root of rounding
+        assert found == pytest.approx([root] * len(found), abs=1e-3)
