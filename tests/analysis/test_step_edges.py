@@ -2,6 +2,7 @@
 
 from math import exp, log
 
+import numpy as np
 import pytest
 
 import zoh
@@ -182,11 +183,20 @@ def test_a_loop_that_comes_back_to_nothing_in_the_size_of_its_reference():
     assert got.settling == "settles to 0"
 
 
-def test_a_bump_that_stays_below_a_tenth_is_no_rise():
-    """0.268 t exp(-t), at most 0.0986, beside 1 - exp(-t/1000), which alone goes on."""
-    # 0.268 s/(s + 1)^2 + 1/(1000 s + 1), over one denominator
-    num = [1 + 268.0, 2 + 0.268, 1.0]
-    got = step_info(Plant(num=num, den=[1000.0, 2001.0, 1002.0, 1.0]))
+def test_a_bump_that_stays_just_below_a_tenth_is_no_rise():
+    """0.178 t exp(-2 t/3), 0.09995 at its top with all else, beside 1 - exp(-t/1000).
+
+    Its bound between samples is above a tenth, and only the second goes on. A thousandth of
+    exp(-t) sets the clock.
+    """
+    bump, slow, quick = [1, 4 / 3, 4 / 9], [1000, 1], [1, 1]
+    terms = [
+        np.polymul([0.178, 0], np.polymul(slow, quick)),
+        np.polymul(bump, quick),
+        np.polymul([0.001, 0], np.polymul(bump, slow)),
+    ]
+    num = np.polyadd(np.polyadd(terms[0], terms[1]), terms[2])
+    got = step_info(Plant(num=num, den=np.polymul(np.polymul(bump, slow), quick)))
     assert got.rise_time == pytest.approx(1000 * log(9), rel=1e-12)
     assert got.settling_time == pytest.approx(1000 * log(50), rel=1e-12)
     assert (got.overshoot_pct, got.undershoot_pct, got.peak_time) == (0.0, 0.0, None)
