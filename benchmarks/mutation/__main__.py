@@ -25,7 +25,7 @@ from benchmarks.mutation.tests import KILLED, SURVIVED, TIMEOUT, Recorded, Tests
 TESTS = {
     "design": ["tests/design", "src/zoh/design", "tests/test_pipeline.py"],
     "sampling": ["tests/sampling", "src/zoh/sampling"],
-    "sampling/between": ["tests/analysis", "src/zoh/sampling"],
+    "sampling/between": ["tests/sampling/test_between.py", "tests/analysis", "src/zoh/sampling"],
     "analysis": [
         "tests/analysis",
         "src/zoh/analysis",

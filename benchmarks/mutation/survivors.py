@@ -4,6 +4,7 @@ A reason is a paragraph of lines that begin with "# "; each mutant after it is t
 and the difference of lines it makes.
 """
 
+from collections import Counter
 from pathlib import Path
 
 from benchmarks.mutation.mutants import Mutant
@@ -25,3 +26,13 @@ def explained() -> dict[str, str]:
 def paragraph(mutant: Mutant) -> str:
     """Return a mutant as it is written down."""
     return f"{mutant.place}\n{mutant.diff()}"
+
+
+def main() -> None:
+    """Print how many live for which reason, as the table of docs/mutation.md."""
+    for reason, count in Counter(explained().values()).most_common():
+        print(f"| {count} | {reason} |")
+
+
+if __name__ == "__main__":
+    main()

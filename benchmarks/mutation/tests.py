@@ -6,6 +6,7 @@ where a constant of a module changes, all modules are imported again. The parent
 test, so that nothing remembers a result of the unchanged code.
 """
 
+import ast
 import importlib
 import os
 import pickle
@@ -141,8 +142,28 @@ def install(mutant: Mutant) -> None:
     """Put the mutant's code in the place of the original's, in this process."""
     package = mutant.file.resolve().parts
     name = ".".join((*package[package.index("zoh") : -1], mutant.file.stem))
-    function = _function(importlib.import_module(name), mutant.owner)
-    function.__code__ = _code(_compiled(mutant), mutant.owner.split("."))
+    module, path = importlib.import_module(name), mutant.owner.split(".")
+    function = _function(module, mutant.owner)
+    function.__code__ = _code(_compiled(mutant), path)
+    _set_defaults(function, _definition(ast.parse(mutant.code), path).args, vars(module))
+
+
+def _set_defaults(function: FunctionType, args: ast.arguments, names: dict) -> None:
+    """Evaluate the defaults of the arguments anew: they are no part of a function's code."""
+
+    def value(node: ast.expr) -> object:
+        return eval(compile(ast.Expression(node), "<default>", "eval"), names)
+
+    keywords = zip(args.kwonlyargs, args.kw_defaults, strict=True)
+    function.__defaults__ = tuple(value(node) for node in args.defaults) or None
+    function.__kwdefaults__ = {a.arg: value(node) for a, node in keywords if node is not None}
+
+
+def _definition(tree: ast.AST, path: list[str]) -> ast.FunctionDef:
+    for part in path:
+        kinds = ast.FunctionDef | ast.ClassDef
+        tree = next(n for n in tree.body if isinstance(n, kinds) and n.name == part)
+    return tree
 
 
 def _compiled(mutant: Mutant) -> CodeType:

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from zoh.analysis import pieces
 from zoh.analysis.pieces import Piece, bernstein
 
 ROOTS = st.lists(st.floats(-0.5, 1.5), min_size=1, max_size=6)
@@ -68,3 +69,114 @@ def test_two_crossings_between_neighbours_of_one_sign():
     low, high = piece.crossings(1e-3)
     assert (low + high) / 2 == pytest.approx(0.5, rel=1e-12)
     assert high - low == pytest.approx((1e-3 - 1e-4) ** 0.5, rel=1e-9)
+
+
+def test_turned_upside_down():
+    piece = Piece.of([0.0, 1.0, -1.0])
+    assert piece.turned(1.0) is piece
+    assert piece.turned(-1.0).at(0.5) == -0.25
+    assert piece.turned(-1.0).b == [-c for c in piece.b]
+
+
+def test_crossings_to_the_last_digits():
+    assert list(Piece.of([-0.3, 0.0, 1.0]).crossings(0.0)) == pytest.approx([0.3**0.5], rel=1e-15)
+    assert list(Piece.of([0.0, 0.0, 0.0, 8.0]).crossings(0.125)) == pytest.approx([0.25], rel=1e-15)
+    assert list(Piece.of([1.0, -1.0]).crossings(0.875)) == pytest.approx([0.125], rel=1e-15)
+    # 7/8 - (1 - t)^3 with its flat end inside: at 1/2 the slope is 3/4, beyond 1 it is 0
+    flat = Piece.of([1.0, -3.0, 3.0, -1.0])
+    assert list(flat.crossings(1 / 8)) == pytest.approx([0.5], rel=1e-15)
+    # a saddle: (t - 1/2)^3 crosses where its slope is 0
+    saddle = of_roots([0.5, 0.5, 0.5])
+    assert list(saddle.crossings(0.0)) == pytest.approx([0.5], abs=1e-5)  # the cube root of 1e-16
+    assert list(saddle.crossings(-1 / 64)) == pytest.approx([0.25], rel=1e-14)
+    assert list(saddle.crossings(1 / 64)) == pytest.approx([0.75], rel=1e-14)
+
+
+def test_a_crossing_at_an_end_counts_where_the_sign_changes_inside():
+    line = Piece.of([0.0, 1.0])
+    assert list(line.crossings(0.0)) == []  # from 0 upwards: no change
+    assert list(line.crossings(1.0)) == [1.0]  # below before it, not below at it
+    assert list(Piece.of([0.0, -1.0]).crossings(0.0)) == pytest.approx([0.0], abs=1e-12)
+    assert list(Piece.of([2.0]).crossings(2.0)) == []
+
+
+def test_steep_and_far_apart_scales():
+    # 1 - exp(-40 t) to 60 terms is no polynomial for floats; a ninth power is steep enough
+    steep = Piece.of([0.0] * 9 + [1.0])
+    (t,) = steep.crossings(1e-9)
+    assert t == pytest.approx(0.1, rel=1e-14)
+    (t,) = steep.crossings(0.5)
+    assert t == pytest.approx(0.5 ** (1 / 9), rel=1e-15)
+
+
+def test_three_crossings_in_order():
+    # T_3 on [0, 1]: 32 t^3 - 48 t^2 + 18 t - 1, zero at (1 + cos(pi (2 i + 1)/6))/2
+    found = list(Piece.of([-1.0, 18.0, -48.0, 32.0]).crossings(0.0))
+    assert found == pytest.approx([0.5 - 3**0.5 / 4, 0.5, 0.5 + 3**0.5 / 4], rel=1e-14)
+
+
+def test_the_slope_of_a_constant_is_nothing():
+    slope = Piece.of([3.0]).slope()
+    assert (slope.a, slope.b) == ([0.0], [0.0])
+    assert Piece.of([3.0]).highest() == (0.0, 3.0)
+    assert Piece.of([1.0, 2.0]).slope().a == [2.0]
+    assert Piece.of([1.0, 2.0]).highest() == (1.0, 3.0)
+    assert Piece.of([1.0, -2.0]).highest() == (0.0, 1.0)
+
+
+def test_bernsteins_coefficients_by_hand():
+    assert bernstein(1).tolist() == [[1.0]]
+    assert bernstein(2).tolist() == [[1.0, 0.0], [1.0, 1.0]]
+    assert bernstein(4)[2].tolist() == pytest.approx([1, 2 / 3, 1 / 3, 0], rel=1e-16)
+    with pytest.raises(ValueError, match="read-only"):
+        bernstein(3)[0, 0] = 2.0
+
+
+def test_a_half_by_hand():
+    """De Casteljau on (0, 0, 1), t^2: (t/2)^2 has (0, 0, 1/4), ((1 + t)/2)^2 has 1/4, 1/2, 1."""
+    assert pieces._halved([0.0, 0.0, 1.0]) == ([0.0, 0.0, 0.25], [0.25, 0.5, 1.0])
+    assert list(pieces._brackets([-1.0, 1.0], 0.0, 1.0)) == [(0.0, 1.0, True)]
+    assert list(pieces._brackets([1.0, -1.0], 0.25, 0.5)) == [(0.25, 0.5, False)]
+    assert list(pieces._brackets([1.0, 2.0, 0.0], 0.0, 1.0)) == []
+    # (1 - 2 t)^2 - 1/4 falls in the left half and rises in the right
+    halves = [(0.0, 0.5, False), (0.5, 1.0, True)]
+    assert list(pieces._brackets([0.75, -1.25, 0.75], 0.0, 1.0)) == halves
+
+
+class Counted(list):
+    """Coefficients that count how often they are gone through."""
+
+    passes = 0
+
+    def __reversed__(self):
+        self.passes += 1
+        return super().__reversed__()
+
+
+def passes(a, level):
+    """Return how often a crossing needs the polynomial."""
+    piece = Piece.of(a)
+    piece.a = Counted(piece.a)
+    assert len(list(piece.crossings(level))) == 1
+    return piece.a.passes
+
+
+def test_a_crossing_costs_a_handful_of_evaluations():
+    # a straight line: both ends, and the value where its chord says, which is the crossing
+    for level in (0.25, 1.3125, 2.75):
+        assert passes([0.125, 3.0], level) == 3
+        assert passes([-0.125, -3.0], -level) == 3
+    # near an end the start is kept inside, and one step more is needed
+    assert passes([0.0, 1.0], 0.01) == passes([0.0, 1.0], 0.99) == 4
+    # a bent one: Newton's steps double the digits from about two on
+    assert passes([0.0, 2.0, -1.0], 0.5) <= 7
+    assert passes([1.0, 1.0, 0.5, 1 / 6, 1 / 24], 1.5) <= 7
+
+
+@pytest.mark.parametrize("root", [1 / 3, 0.3, 0.7, 0.1, 0.6180339887498949])
+def test_a_touch_that_rounding_makes_two_crossings_or_none(root):
+    for a in ([root, root], [root, root, 2.0], [root] * 4):
+        found = list(of_roots(a).crossings(0.0))
+        assert len(found) % 2 == 0
+        # 1e-3: the fourth root of rounding
+        assert found == pytest.approx([root] * len(found), abs=1e-3)

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from math import ceil
-from typing import Any
 
 import numpy as np
 
@@ -66,7 +65,7 @@ def trace_of(motion: Motion, t_end: float, per_sample: int = 20, reference: floa
     dense = (np.arange(count)[:, None] + times[None, :]) * motion.dt
     effort = motion.output * 0 if motion.effort is None else motion.effort
     return Trace(
-        t=_frozen(motion.dt * np.arange(count)),
+        t=_frozen(dense[:, 0].copy()),
         y=_frozen(reference * (motion.output @ states)),
         u=_frozen(reference * (effort @ states)),
         t_between=_frozen(dense.ravel()),
@@ -85,8 +84,7 @@ def _between(motion: Motion, per_sample: int) -> tuple[Array, Array]:
     return np.concatenate(times), np.concatenate(rows)
 
 
-def _frozen(values: Any) -> Array:
-    a = np.asarray(values, float)
+def _frozen(a: Array) -> Array:
     a.flags.writeable = False
     return a
 

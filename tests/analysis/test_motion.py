@@ -1,0 +1,178 @@
+"""motion: modes by hand, how far they are followed and how densely they are shown."""
+
+from math import atan2, cos, hypot, log, pi, sin
+
+import numpy as np
+import pytest
+
+from zoh.analysis import motion as room
+from zoh.analysis.motion import Motion
+
+
+def of(*modes):
+    """Return a motion of modes z side by side, pairs for complex ones, each starting at 1."""
+    size = sum(2 if isinstance(z, complex) else 1 for z in modes)
+    delta, i = np.zeros((size, size)), 0
+    for z in modes:
+        if isinstance(z, complex):
+            x, y = z.real - 1, z.imag
+            delta[i : i + 2, i : i + 2] = [[x, -y], [y, x]]
+            i += 2
+        else:
+            delta[i, i] = z - 1
+            i += 1
+    ones = np.ones(size)
+    return Motion(
+        dt=1.0, delta=delta, start=ones, own=size, output=ones, effort=None, stretches=()
+    )  # fmt: skip
+
+
+def turning(size, angle):
+    return complex(size * cos(angle), size * sin(angle))
+
+
+def test_powers_are_squares_of_squares():
+    one = of(1.5)
+    assert [one.power(i)[0, 0] for i in (3, 0, 1, 2)] == [1.5**8 - 1, 0.5, 1.25, 1.5**4 - 1]
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 8, 13])
+@pytest.mark.parametrize("doublings", [0, 2])
+def test_a_run_is_every_so_many_samples(count, doublings):
+    states = of(1.5, 0.5).run(np.array([2.0, 4.0]), count, doublings)
+    k = np.arange(count) * 2**doublings
+    assert states == pytest.approx(np.array([2 * 1.5**k, 4 * 0.5**k]), rel=1e-14)
+
+
+def test_rates_are_the_logarithms_fastest_last():
+    swing = turning(0.9, 0.25)
+    found = of(0.5, swing, 0.0, -0.5, 0.99).rates()
+    wanted = [
+        (-log(0.99), -log(0.99)),
+        (-log(0.9), hypot(log(0.9), 0.25)),
+        (-log(0.9), hypot(log(0.9), 0.25)),
+        (log(2), log(2)),
+        (log(2), hypot(log(2), pi)),
+        (1e6, 1e6),
+    ]
+    assert np.array(found) == pytest.approx(np.array(wanted), rel=1e-14)
+
+
+def test_a_swing_that_hardly_dies_is_faster_than_a_lag_that_does():
+    found = of(turning(0.99, 3.0), 0.5).rates()
+    assert [turn for _, turn in found] == pytest.approx(
+        [log(2), *[hypot(log(0.99), 3.0)] * 2], rel=1e-13
+    )
+
+
+def test_a_rate_close_to_one_keeps_its_digits():
+    assert of(1 - 2.0**-40).rates()[0] == pytest.approx((2.0**-40, 2.0**-40), rel=1e-11)
+    ((decay, turn), _) = of(complex(1 - 2.0**-40, 2.0**-30)).rates()
+    # log |z| = log(1 - 2^-39 + 2^-80 + 2^-60)/2, the angle 2^-30
+    assert decay == pytest.approx(2.0**-40 - 2.0**-61, rel=1e-11)
+    assert turn == pytest.approx(hypot(2.0**-40, atan2(2.0**-30, 1)), rel=1e-11)
+
+
+def test_only_what_is_the_systems_own_is_a_mode():
+    driven = of(0.5, 1.0)
+    own = Motion(
+        dt=1.0, delta=driven.delta, start=driven.start, own=1, output=driven.output, effort=None,
+        stretches=(),
+    )  # fmt: skip
+    assert own.rates() == [(log(2), log(2))]
+    assert 27 <= own.track().k[-1] <= 27 + 9
+
+
+def assert_follows(track, *modes):
+    """Assert that the samples are in order, from 0 on, and the states the modes' powers."""
+    assert track.k[0] == 0
+    assert (np.diff(track.k) > 0).all()
+    for row, z in zip(track.states, modes, strict=False):
+        assert row == pytest.approx(z ** track.k.astype(float), rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize("z", [0.5, -0.5, 0.9, 0.0])
+def test_a_quick_mode_is_shown_until_a_hundred_millionth(z):
+    track = of(z).track()
+    assert_follows(track, z)
+    needed = log(1e8) / -log(abs(z)) if z else 0
+    assert max(8, needed) <= track.k[-1] <= 1.1 * needed + 8
+    assert track.rests
+    if z == -0.5:
+        assert track.k.tolist() == list(range(track.k[-1] + 1))
+
+
+@pytest.mark.parametrize("far", [1e3, 1e6, 1e9, 1e12])
+def test_a_slow_mode_alone_needs_few_samples(far):
+    z = 1 - 1 / far
+    track = of(z).track()
+    assert track.states[0] == pytest.approx(np.exp(track.k * np.log1p(z - 1)), rel=1e-6, abs=1e-8)
+    assert log(1e8) * far <= track.k[-1] * (1 + 1e-4) <= 3 * log(1e8) * far
+    assert len(track.k) <= 40
+    assert track.rests
+
+
+@pytest.mark.parametrize("angle", [1e-4, 0.01, 0.1, 1.0, 3.0])
+def test_a_swing_is_shown_four_times_a_radian(angle):
+    z = turning(0.999, angle) if angle > 1e-3 else turning(1 - 1e-5, angle)
+    track = of(z).track()
+    gaps = np.diff(track.k)
+    turn = hypot(angle, log(abs(z)))
+    alive = track.k[:-1] * -log(abs(z)) <= 20
+    assert gaps[alive].max() <= max(1, 0.25 / turn)
+    assert gaps[alive].min() > 0.25 / turn / 4 or gaps[alive].min() == 1
+    assert (abs(z) ** track.k[-1]) <= 1e-8
+    states = np.exp(track.k * np.log(z)) * (1 + 1j)
+    assert track.states[0] == pytest.approx(states.real, abs=1e-9)
+    assert track.states[1] == pytest.approx(states.imag, abs=1e-9)
+
+
+def test_two_swings_are_shown_as_the_faster_needs_while_it_lives():
+    fast, slow = turning(0.99, 1.0), turning(1 - 1e-6, 1e-4)
+    track = of(fast, slow).track()
+    gone = 20 / -log(0.99)  # 1990 samples
+    gaps = np.diff(track.k)
+    assert (gaps[track.k[:-1] < gone - 1] == 1).all()
+    late = gaps[track.k[:-1] > 2 * gone]
+    assert (late > 0.25 / 1e-4 / 4).all()
+    assert late.max() <= 0.25 / 1e-4
+    assert len(track.k) < 2 * gone + log(1e8) * 1e6 / 1000
+    states = np.exp(track.k * np.log(slow)) * (1 + 1j)
+    assert track.states[2] == pytest.approx(states.real, abs=1e-7)
+
+
+def test_a_fast_mode_before_a_slow_one():
+    track = of(0.5, 1 - 1e-6).track()
+    assert_follows(track, 0.5, 1 - 1e-6)
+    assert track.k[:28].tolist() == list(range(28))
+    assert len(track.k) < 400
+
+
+def test_what_does_not_rest_is_shown_as_far_as_is_allowed(monkeypatch):
+    swing = of(turning(0.99, 1.0))  # a ten thousandth after 917 samples, a hundred millionth 1833
+    for most, rests in ((900, False), (940, True), (3000, True)):
+        monkeypatch.setattr(room, "_MOST", most)
+        track = swing.track()
+        assert track.rests is rests
+        assert len(track.k) == min(most, track.k[-1] + 1)
+        assert len(track.k) == (most if most < 1833 else pytest.approx(1842, abs=8))
+
+
+def test_a_motion_without_modes_is_shown_for_a_while():
+    still = Motion(
+        dt=1.0, delta=np.zeros((1, 1)), start=np.ones(1), own=0, output=np.ones(1), effort=None,
+        stretches=(),
+    )  # fmt: skip
+    track = still.track()
+    assert track.k[0] == 0
+    assert track.k[-1] >= 8
+    assert (track.states == 1).all()
+    assert track.rests
+
+
+def test_the_limit_is_that_of_all_samples_together(monkeypatch):
+    # 1990 samples while the fast one lives, then thousands of the slow one's
+    monkeypatch.setattr(room, "_MOST", 2500)
+    track = of(turning(0.99, 1.0), turning(1 - 1e-6, 1e-4)).track()
+    assert len(track.k) == 2500
+    assert not track.rests

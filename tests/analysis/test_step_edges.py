@@ -1,0 +1,219 @@
+"""step, closed, waveform: edges and refusals, worked by hand."""
+
+from math import exp, log
+
+import numpy as np
+import pytest
+
+import zoh
+from zoh.analysis.closed import closed_loop, followable
+from zoh.analysis.step import closed_loop_step, step_info
+from zoh.errors import SpecError
+from zoh.lti.systems import Plant, Sampled
+from zoh.sampling.hold import MAX_DELAY
+
+INTEGRATOR = Plant(num=[1], den=[1, 0])
+HALF = Sampled(num=[0.5], den=[1], dt=0.5)
+
+
+def refusal(ask):
+    with pytest.raises(SpecError) as err:
+        ask()
+    return str(err.value)
+
+
+def test_refusals_in_words():
+    assert refusal(lambda: closed_loop(INTEGRATOR, HALF, by="sine")) == (
+        "by must be one of step, impulse, ramp, disturbance, got 'sine': choose one of these"
+    )
+    assert refusal(lambda: closed_loop(3, HALF)) == (
+        "plant must be a zoh.Plant, got 3: give num and den, or a formula"
+    )
+    far, late = (
+        Plant(num=[1], den=[1, 0], dead_time=4999.5),
+        Sampled(num=[1], den=[1, 0, 0], dt=0.5),
+    )
+    assert refusal(lambda: closed_loop(far, late)) == (
+        "dead_time + compute_delay must be at most 10000 samples (5000 s) in a loop, got 10001: "
+        "sample more slowly"
+    )
+    assert refusal(lambda: step_info([1.0, 2.0])) == (
+        "L must be a zoh.Plant or zoh.Sampled, got [1.0, 2.0]: make one first"
+    )
+
+
+def test_an_algebraic_loop_of_gain_minus_one():
+    # (s + 2)/(2 s + 1) answers at once with 1/2; a P of -2 closes a loop of gain -1
+    plant = Plant(num=[1, 2], den=[2, 1])
+    words = "controller must not close an algebraic loop of gain -1, got -2.0: add delay"
+    assert refusal(lambda: closed_loop(plant, Sampled(num=[-2.0], den=[1], dt=0.1))) == words
+    closed_loop(plant, Sampled(num=[2.0], den=[1], dt=0.1))
+    closed_loop(plant, Sampled(num=[-0.5], den=[1], dt=0.1))
+    late = Plant(num=[1, 2], den=[2, 1], dead_time=0.01)
+    closed_loop(late, Sampled(num=[-2.0], den=[1], dt=0.1))
+
+
+def test_delays_that_can_be_followed():
+    assert followable(INTEGRATOR, 0.5, 0.0) == (0, 0)
+    assert followable(Plant(num=[1], den=[1, 0], dead_time=1.25), 0.5, 0.5) == (4, 0.5)
+    assert followable(INTEGRATOR, 0.5, 0.25, 2) == (3, 0.5)
+    assert followable(INTEGRATOR, 0.5, MAX_DELAY * 0.5)[0] == MAX_DELAY
+    assert followable(INTEGRATOR, 0.5, (MAX_DELAY - 7) * 0.5, 7)[0] == MAX_DELAY
+    with pytest.raises(SpecError):
+        followable(INTEGRATOR, 0.5, (MAX_DELAY - 7) * 0.5, 8)
+
+
+@pytest.mark.parametrize("late", [64, 65])
+def test_a_delay_at_the_edge_of_what_is_carried(late):
+    """1/s under P 1/512, dt 1/2: nothing moves for ``late`` samples, then dt/512 a sample."""
+    slow = Sampled(num=[1 / 512], den=[1], dt=0.5)
+    plant = Plant(num=[1], den=[1, 0], dead_time=late * 0.5)
+    curve = zoh.trace(plant, slow, t_end=0.5 * (2 * late + 1), per_sample=1)
+    assert curve.y[: late + 1].tolist() == [0.0] * (late + 1)
+    assert curve.y[late : 2 * late + 1] == pytest.approx(
+        [k / 1024 for k in range(late + 1)], rel=1e-13
+    )
+    got = closed_loop_step(plant, slow)
+    assert (got.peak_effort, got.peak_effort_time) == (1 / 512, 0.0)
+    assert got.final_value == 1.0
+
+
+def test_a_lead_starts_high_and_never_goes_below():
+    # (1.25 z - 1)/(z - 0.75): 1.25, then down to 1
+    got = step_info(Sampled(num=[1.25, -1.0], den=[1, -0.75], dt=0.5))
+    assert got.undershoot_pct == 0.0
+    assert (got.rise_time, got.settling_time) == (0.0, 4.5)
+    assert got.horizon % 0.5 == 0.0
+
+
+def test_a_dead_time_is_late_with_everything_but_the_rise():
+    # s/(s + 1)^2: t exp(-t), 1/e at 1
+    got = step_info(Plant(num=[1, 0], den=[1, 2, 1], dead_time=2.0))
+    assert got.peak_time == pytest.approx(3.0, rel=1e-7)  # a flat top
+    prompt = step_info(Plant(num=[1, 0], den=[1, 2, 1]))
+    assert got.horizon == pytest.approx(prompt.horizon + 2.0, rel=1e-15)
+    assert (got.peak, got.final_value, got.steady_state_error) == (prompt.peak, 0.0, 1.0)
+    # -s/(s + 1)^2: the same, upside down
+    down = step_info(Plant(num=[-1, 0], den=[1, 2, 1], dead_time=2.0))
+    assert (down.peak, down.peak_time) == (got.peak, got.peak_time)
+    # a resonance: pi/w, later
+    swings = step_info(Plant(num=[1.01], den=[1, 0.2, 1.01], dead_time=2.0))
+    assert swings.peak_time == pytest.approx(2.0 + 3.141592653589793, rel=1e-7)  # a flat top
+
+
+def test_delays_of_a_sampled_system_count():
+    late = step_info(Sampled(num=[1.25, -1.0], den=[1, -0.75, 0, 0, 0], dt=0.5))
+    assert (late.peak_time, late.settling_time, late.rise_time) == (1.5, 6.0, 0.0)
+
+
+def test_the_first_sample_is_high_enough_at_once():
+    # (2 s + 1)/(s + 1) = 1 + s/(s + 1): jumps to 2, falls to 1 by exp(-t), within 2 % at ln 50
+    got = step_info(Plant(num=[2, 1], den=[1, 1]))
+    assert (got.peak, got.peak_time, got.rise_time) == (2.0, 0.0, 0.0)
+    assert got.overshoot_pct == pytest.approx(100.0, rel=1e-14)
+    assert got.settling_time == pytest.approx(log(50), rel=1e-12)
+    assert got.undershoot_pct == 0.0
+
+
+def test_jumps_between_the_samples_of_a_loop_in_their_units():
+    """1 + 1/(s + 1) under 0.25/(z - 1), dt 1/2: y = u + x jumps at every sample."""
+    plant, controller = Plant(num=[1, 2], den=[1, 1]), Sampled(num=[0.25], den=[1, -1], dt=0.5)
+    got = closed_loop_step(plant, controller)
+    fall, x, u, y, limits = exp(-0.5), 0.0, 0.0, [], []
+    for _ in range(100):
+        y.append(x + u)
+        x, u_old = fall * x + (1 - fall) * u, u
+        limits.append(x + u_old)  # just before the next sample
+        u += 0.25 * (1 - y[-1])
+    assert got.between_samples.peak == pytest.approx(max(*y, *limits), rel=1e-12)
+    # y(1) = 0.25 at once: 10 % is reached by the jump at 0.5 s
+    ninety = next(k for k in range(100) if y[k] >= 0.9 or limits[k] >= 0.9)
+    assert got.rise_time == pytest.approx(0.5 * next(
+        k for k in range(100) if y[k] >= 0.9) - 0.5, rel=1e-14)  # fmt: skip
+    inside = y[ninety] < 0.9
+    low = got.between_samples.rise_time + 0.5
+    assert 0.5 * ninety - 1e-12 <= low <= 0.5 * (ninety + inside) + 1e-12
+
+
+def test_a_gain_alone_is_there_at_once():
+    got = step_info(Plant(num=[3], den=[2]))
+    assert (got.peak, got.rise_time, got.settling_time) == (1.5, 0.0, 0.0)
+    assert (got.overshoot_pct, got.undershoot_pct, got.final_value) == (0.0, 0.0, 1.5)
+    got = step_info(Sampled(num=[3], den=[2], dt=0.1))
+    assert (got.peak, got.rise_time, got.settling_time) == (1.5, 0.0, 0.0)
+
+
+def test_the_reference_is_one_unless_asked():
+    got = closed_loop_step(INTEGRATOR, HALF)
+    assert (got.final_value, got.peak, got.peak_effort) == (1.0, 1.0, 0.5)
+    assert got.horizon % 0.5 == 0.0
+    assert got.effort_range == (0.0, 0.5)
+    # u falls monotonously: asked for at once
+    assert got.peak_effort_time == 0.0
+
+
+def test_an_effort_that_is_only_approached_has_no_time():
+    # 1/(s + 1) is over in a sample of 8 s: u(k+1) = 31/32 u(k) + (1 - u(k-1))/64 creeps up to 1/3
+    creeping = closed_loop_step(
+        Plant(num=[1], den=[1, 1]), Sampled(num=[1 / 64], den=[1, -31 / 32], dt=8.0)
+    )
+    assert creeping.peak_effort == pytest.approx(1 / 3, rel=1e-12)
+    assert creeping.peak_effort_time is None
+    assert creeping.peak_time is None
+
+
+def test_an_effort_that_is_largest_later():
+    # one sample of 1/2, then 1: u(k) = e(k) + e(k-1), over 2 of 1/s at dt 1/4
+    fir = Sampled(num=[0.5, 0.5], den=[1, 0], dt=0.25)
+    got = closed_loop_step(INTEGRATOR, fir, reference=-4.0)
+    # y(1) = 1/8, so u(1) = (7/8 + 1)/2, and less ever after
+    assert got.peak_effort == pytest.approx(4 * 15 / 16, rel=1e-14)
+    assert got.peak_effort_time == 0.25
+    assert got.effort_range == pytest.approx((-3.75, 0.0), rel=1e-14)
+
+
+def test_a_loop_that_comes_back_to_nothing_in_the_size_of_its_reference():
+    # s/(s + 1) under 1/2, dt ln 2: y answers u = (r - y)/2 at once, y(0) = 1/3 r
+    got = closed_loop_step(
+        Plant(num=[1, 0], den=[1, 1]), Sampled(num=[0.5], den=[1], dt=log(2)), reference=-3.0
+    )
+    assert (got.peak, got.peak_time) == (pytest.approx(1.0, rel=1e-14), 0.0)
+    assert (got.final_value, got.steady_state_error) == (0.0, -3.0)
+    assert (got.between_samples.peak, got.between_samples.peak_time) == (got.peak, 0.0)
+    assert got.settling == "settles to 0"
+
+
+def test_a_bump_that_stays_just_below_a_tenth_is_no_rise():
+    """0.178 t exp(-2 t/3), 0.09995 at its top with all else, beside 1 - exp(-t/1000).
+
+    Its bound between samples is above a tenth, and only the second goes on. A thousandth of
+    exp(-t) sets the clock.
+    """
+    bump, slow, quick = [1, 4 / 3, 4 / 9], [1000, 1], [1, 1]
+    terms = [
+        np.polymul([0.178, 0], np.polymul(slow, quick)),
+        np.polymul(bump, quick),
+        np.polymul([0.001, 0], np.polymul(bump, slow)),
+    ]
+    num = np.polyadd(np.polyadd(terms[0], terms[1]), terms[2])
+    got = step_info(Plant(num=num, den=np.polymul(np.polymul(bump, slow), quick)))
+    assert got.rise_time == pytest.approx(1000 * log(9), rel=1e-12)
+    assert got.settling_time == pytest.approx(1000 * log(50), rel=1e-12)
+    assert (got.overshoot_pct, got.undershoot_pct, got.peak_time) == (0.0, 0.0, None)
+
+
+@pytest.mark.parametrize("zeta", [0.3, 1.5])
+def test_upside_down_between_the_samples(zeta):
+    up = step_info(Plant(num=[3], den=[1, 2 * zeta, 1]))
+    down = step_info(Plant(num=[-3], den=[1, 2 * zeta, 1]))
+    for name in ("rise_time", "settling_time", "overshoot_pct", "undershoot_pct", "peak"):
+        assert getattr(down, name) == getattr(up, name)
+    assert (down.peak_time, down.final_value) == (up.peak_time, -3.0)
+    assert down.steady_state_error == 4.0
+
+
+def test_what_the_module_gives_out():
+    given = {}
+    exec("from zoh.analysis.step import *", given)
+    assert {"closed_loop_step", "step_info"} <= set(given)
+    assert given["closed_loop_step"](INTEGRATOR, HALF).peak_effort == 0.5
