@@ -323,8 +323,7 @@ def test_what_is_asked_of_a_table_and_what_it_does_not_show(asked, misses):
 
 
 def test_bounds_outside_the_band_count_where_they_are_lower():
-    # -1.25 j at both ends of the band: at w -> 0 L is 1.25/w -> its crossing is at 1 rad/s inside;
-    # with a phase crossing at 2 rad/s of factor 10 the band shows 20 dB, and beyond it only 8 -> 6 dB
+    # the crossing at 2 rad/s shows 20 dB; |L| is 0.5 where the table ends, 20 log10 2 beyond
     loop = FrequencyResponse(
         w=[0.25, 0.5, 1, 2, 4, 8],
         magnitude=[4, 2, 1, 0.1, 0.25, 0.5],
