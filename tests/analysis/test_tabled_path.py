@@ -282,7 +282,7 @@ def test_beyond_a_loop_that_crosses_the_axis_below():
     found = beyond(Path.of(law * spiral([20, 40, 80], k=2.0)))
     step = 10 ** (1 / 40)  # the nearest to 1 of the ends around; |L| = 2/w
     assert 5 / step < found.gain_margin <= 5
-    least = min(abs(1 + law.at(w) * 2 / (1j * w)) for w in np.geomspace(1, 20, 4001).tolist())
+    least = min(abs(1 + law.at(w) * 2 / (1j * w)) for w in np.geomspace(1, 20, 401).tolist())
     assert found.ms == near(1 / least, rel=1e-3)  # on its steps of 1/40 decade
 
 
@@ -294,6 +294,38 @@ def test_beyond_a_constant_that_is_negative():
     assert (found.ms, found.mt) == (near(1.0), near(4 / 3))
     law = Sampled(num=[1.0], den=[1.0, -1.0], dt=pi / 4)
     assert beyond(Path.of(law * loop)).gain_margin == inf
+
+
+def test_beyond_a_loop_that_is_real_at_rest():
+    # -4/(1 + 2 s): at w = 0 its factor is 1/4; beyond 4 rad/s |L| <= 4/sqrt(65), which is nearer
+    constant = spiral([1, 2, 4], k=4.0, slope=0.0, start=180.0)
+    found = beyond(Path.of(Plant(num=[1], den=[2, 1]) * constant))
+    assert found.gain_margin == near(sqrt(65) / 4)
+    # with -4/(1 + 40 s) it is the other way round
+    found = beyond(Path.of(Plant(num=[1], den=[40, 1]) * constant))
+    assert found.gain_margin == near(0.25, rel=1e-7)  # 1e-4 below the lowest corner, squared
+    # -1/s behind a zero at the origin is -1/(s + 2): 1/2 at rest
+    once = spiral([1, 2, 4], slope=-1.0, start=90.0)
+    found = beyond(Path.of(Plant(num=[1, 0], den=[1, 2]) * once))
+    assert found.gain_margin == near(2.0, rel=1e-7)
+    # (1 + 0.5/s) -2e-5: an integrator, so no gain at rest, though it is 1 at 1e-5 rad/s
+    quiet = spiral([1, 2, 4], k=2e-5, slope=0.0, start=180.0)
+    found = beyond(Path.of(Plant(num=[1, 0.5], den=[1, 0]) * quiet))
+    assert found.gain_margin == near(5e4 / sqrt(1 + 1 / 64))
+
+
+def test_beyond_a_loop_that_is_real_and_positive_below():
+    # 5000/(j w) ((1 + w)/(100 + w))^2 passes 0 deg at v = 1 with 1 over 2: that is no crossing
+    law = Sampled.from_w(num_w=[1.0, 2.0, 1.0], den_w=[1.0, 200.0, 1e4], dt=pi / 80)
+    found = beyond(Path.of(law * spiral([20, 40, 80], k=2500.0, dt=pi / 80)))
+    assert found.gain_margin == inf
+
+
+@pytest.mark.parametrize("size", [1.0, 1.5])
+def test_beyond_a_loop_that_may_be_1_nothing_is_known(size):
+    found = beyond(Path.of(spiral([0.25, 0.5, 1], k=size)))
+    assert (found.gain_margin, found.phase_margin_deg) == (1.0, 0.0)
+    assert (found.ms, found.mt) == (inf, inf)
 
 
 # The count -----------------------------------------------------------------------------------
