@@ -11,6 +11,7 @@ import pytest
 import zoh
 from zoh import FrequencyResponse, Requirements, Sampled
 from zoh.analysis.squares import DROP
+from zoh.analysis.tabled.results import Spread
 from zoh.analysis.tabled.verify import (
     TableVerified,
     in_clock,
@@ -19,6 +20,7 @@ from zoh.analysis.tabled.verify import (
     table_verified,
     verify_table,
 )
+from zoh.analysis.tabled.words import _amounts, _db
 from zoh.errors import NotMet, SpecError
 
 NO_MORE = "; no resonance hides between the points"
@@ -129,6 +131,7 @@ def test_what_a_table_says_of_itself(said):
     [
         (1, "1 to 2 rad/s"),
         (3, "1 to 2, 2 to 3, 3 to 4 rad/s"),
+        (4, "1 to 2, 2 to 3, 3 to 4 and 1 more rad/s"),
         (5, "1 to 2, 2 to 3, 3 to 4 and 2 more rad/s"),
     ],
 )
@@ -148,6 +151,14 @@ def test_a_figure_that_a_shorter_table_loses_is_off_by_an_unknown_amount():
         w=[1, 2, 3, 4, 5], magnitude=[1.1, 1.1, 0.9, 1.1, 1.1], phase_deg=[-90] * 5
     )
     assert "would move by an unknown amount, none, " in zoh.margins(loop).warnings[3]
+
+
+def test_amounts_in_words():
+    known = Spread(phase_margin_deg=1.234, gain_margin_db=0.5678, ms=0.0123)
+    assert _amounts(known) == "1.2 deg, 0.57 dB, 0.012"
+    unknown = Spread(phase_margin_deg=None, gain_margin_db=inf, ms=0.0)
+    assert _amounts(unknown) == "none, an unknown amount, 0"
+    assert [_db(x) for x in (2.0, 0.5, inf, 0.0)] == ["6.021 dB", "-6.021 dB", "inf", "0"]
 
 
 def test_one_unstable_pole_is_one():

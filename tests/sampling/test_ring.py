@@ -1,4 +1,4 @@
-"""The ring of the step response in decimals: its moduli by hand, its exponentials in fifty digits."""
+"""The ring of the step response: its moduli by hand, its exponentials in fifty digits."""
 
 from decimal import Decimal
 from math import log, log10
