@@ -26,6 +26,7 @@ TESTS = {
     "design": ["tests/design", "src/zoh/design", "tests/test_pipeline.py"],
     "sampling": ["tests/sampling", "src/zoh/sampling"],
     "sampling/between": ["tests/sampling/test_between.py", "tests/analysis", "src/zoh/sampling"],
+    "tabled": ["tests/analysis", "src/zoh/analysis/tabled", "tests/test_table_design.py"],
     "analysis": [
         "tests/analysis",
         "src/zoh/analysis",

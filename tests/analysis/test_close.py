@@ -139,13 +139,15 @@ def test_samples_of_delay_are_followed_to_nyquist():
 
 def test_the_look_has_every_point_and_the_loop_there():
     seen = look(Plant(num=[10.0], den=[1.0, 3.0, 3.0, 1.0], dead_time=0.1))
-    assert (np.diff(seen.v) > 0).all() and seen.v[0] > 0
+    assert (np.diff(seen.v) > 0).all()
+    assert seen.v[0] > 0
     top, bottom = seen.loop.parts(seen.v)
     assert seen.top.tolist() == top.tolist()
     assert seen.bottom.tolist() == bottom.tolist()
     turns = _delay_grid(seen.loop, _landmarks(seen.loop))
     assert seen.reach == turns[-1]
-    assert np.isin(turns, seen.v).all() and np.isin(_landmarks(seen.loop), seen.v).all()
+    assert np.isin(turns, seen.v).all()
+    assert np.isin(_landmarks(seen.loop), seen.v).all()
     assert np.isin(_suspects(seen.squares.gain), seen.v).all()
     assert look(Plant(num=[10.0], den=[1.0, 3.0, 3.0, 1.0])).reach == inf
     assert look(Sampled.from_w(num_w=(1.0,), den_w=(1.0, 1.0), dt=0.5, delay=4)).reach == inf

@@ -5,7 +5,14 @@ from math import cos, inf, pi, sin
 import numpy as np
 import pytest
 
-from zoh.analysis.crossings import _inverse_quadratic, _valleys, bracketed, least, merged, sign_changes
+from zoh.analysis.crossings import (
+    _inverse_quadratic,
+    _valleys,
+    bracketed,
+    least,
+    merged,
+    sign_changes,
+)
 
 
 class Counted:

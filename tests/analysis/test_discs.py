@@ -1,5 +1,6 @@
 """Discs hold what they should, are no larger than their law says, and prove only what is so."""
 
+import itertools
 from dataclasses import replace
 from math import atan, hypot, inf, pi, sqrt
 
@@ -7,7 +8,15 @@ import numpy as np
 import pytest
 
 from zoh.analysis import discs
-from zoh.analysis.discs import _changes, _counted, _decided, _keeps_off, _product, _taylor, stretches
+from zoh.analysis.discs import (
+    _changes,
+    _counted,
+    _decided,
+    _keeps_off,
+    _product,
+    _taylor,
+    stretches,
+)
 from zoh.analysis.loop import Loop
 from zoh.analysis.squares import ON_DEN, ON_NUM, ON_OPPOSITE
 from zoh.lti.systems import Plant, Sampled
@@ -137,10 +146,10 @@ def test_a_pure_delay_by_hand():
 
 def test_samples_of_delay_by_hand():
     """With dt = 2 and a delay of 2 s psi is 2 arctan v and 2 arctan(1/x), even in the slopes."""
-    part, beyond = stretches(samples_late((1.0,), (1.0,), 1), np.array([1.0]))
+    upto, beyond = stretches(samples_late((1.0,), (1.0,), 1), np.array([1.0]))
     zero, one = np.array([0.0]), np.array([1.0])
     swing, rate = 2 * atan(0.5), 0.6  # slope 2/(1 + v^2): 2, 1.6, 1
-    for part, turn in ((part, 2 * atan(0.5)), (beyond, 2 * atan(2.0))):
+    for part, turn in ((upto, 2 * atan(0.5)), (beyond, 2 * atan(2.0))):
         sign = -1 if part.beyond else 1
         d = part.discs(zero, one)
         assert d.top == pytest.approx(np.exp([-1j * turn]))
@@ -166,9 +175,7 @@ def test_a_polynomial_with_a_delay_by_hand():
 
 
 # g exp(-0.3 s): |1 + L| goes down to 1 - g, over |L| to (1 - g)/g, over |1 - L| to (1 - g)/(1 + g).
-@pytest.mark.parametrize(
-    ("below", "true"), [(ON_DEN, 0.5), (ON_NUM, 1.0), (ON_OPPOSITE, 1 / 3)]
-)
+@pytest.mark.parametrize(("below", "true"), [(ON_DEN, 0.5), (ON_NUM, 1.0), (ON_OPPOSITE, 1 / 3)])
 def test_a_least_ratio_is_proved_to_a_millionth(below, true):
     loop = late([0.5], [1.0], 0.3)
     for factor, holds in ((0.9, True), (1 + 0.9e-6, True), (1 + 1.2e-6, False), (1.5, False)):
@@ -231,7 +238,7 @@ def drop_of(loop, level):
 
     v = np.linspace(1e-3, 40, 801).tolist()
     found = []
-    for a, b in zip(v[:-1], v[1:], strict=True):
+    for a, b in itertools.pairwise(v):
         if above(a) * above(b) < 0:
             for _ in range(60):
                 middle = (a + b) / 2

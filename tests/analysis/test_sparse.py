@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from zoh.analysis.loop import Loop
-from zoh.analysis.sparse import Sparse, _jet, _parabola, _polished, _root, _stationary, _values
+from zoh.analysis.sparse import Sparse, _jet, _parabola, _polished, _root, _stationary
 from zoh.analysis.squares import DROP, ON_DEN, ON_NUM, ON_OPPOSITE, Squares
 from zoh.lti.systems import Plant, Sampled
 
@@ -26,6 +26,11 @@ def look(loop):
     return squares, Sparse.of(loop, squares)
 
 
+def grid(seen):
+    """Return q in units of ``seen.unit``."""
+    return np.exp2(seen.octaves)
+
+
 def value(a, q):
     return float(sum(c * Fraction(q) ** k for k, c in enumerate(reversed(a))))
 
@@ -34,21 +39,23 @@ def value(a, q):
 def test_the_values_are_those_of_the_exact_polynomials(loop):
     s, seen = look(loop)
     exact = [s.bottom, s.top, s.opposite, s.closed, s.gain, s.turn, s.drop]
-    assert seen.values.shape == (7, len(seen.q))
+    assert seen.values.shape == (7, len(seen.octaves))
     assert len({len(a) for a in seen.polynomials}) == 1
     for row, a in enumerate(exact):
-        true = np.array([value(a, Fraction(q) * Fraction(seen.unit)) for q in seen.q.tolist()])
-        own = np.array([np.polyval(seen.polynomials[row], q) for q in seen.q.tolist()])
-        size = np.array([np.polyval(np.abs(seen.polynomials[row]), q) for q in seen.q.tolist()])
+        true = np.array([value(a, Fraction(q) * Fraction(seen.unit)) for q in grid(seen).tolist()])
+        own = np.array([np.polyval(seen.polynomials[row], q) for q in grid(seen).tolist()])
+        size = np.array([np.polyval(np.abs(seen.polynomials[row]), q) for q in grid(seen).tolist()])
         assert np.abs(seen.values[row] - own).max() <= 1e-14 * size.max()
         if row < 5:  # one factor for those of which ratios are taken
-            factor = seen.values[0, 0] / value(exact[0], Fraction(seen.q[0]) * Fraction(seen.unit))
+            factor = seen.values[0, 0] / value(
+                exact[0], Fraction(grid(seen)[0]) * Fraction(seen.unit)
+            )
         else:
             factor = seen.values[row, -1] / true[-1]
             assert factor > 0
         assert (np.abs(seen.values[row] - factor * true) <= 1e-13 * size).all()
     for row, under in enumerate((s.bottom, s.top, s.opposite)):
-        q = Fraction(seen.q[5]) * Fraction(seen.unit)
+        q = Fraction(grid(seen)[5]) * Fraction(seen.unit)
         assert seen.ratios[row, 5] == pytest.approx(value(s.closed, q) / value(under, q), rel=1e-9)
         assert seen.lowest_at[row] == int(seen.ratios[row].argmin())
     assert seen.level == s.level
@@ -68,20 +75,20 @@ def test_the_largest_coefficients_are_near_one():
 def test_the_grid_reaches_seven_octaves_beyond_the_corners():
     """1/(s + 1): corners at q = 1 (|D|^2 = q + 1) and 4 (|D + N|^2 = q + 4; 3 dB at q near 4)."""
     _, seen = look(LOOPS["lag"])
-    q = seen.q * seen.unit
+    q = grid(seen) * seen.unit
     assert q[1:] / q[:-1] == pytest.approx(np.full(len(q) - 1, sqrt(2)), rel=1e-13)
     assert (q[0], q[-1]) == (2.0**-7, pytest.approx(2.0**9))
     assert seen.unit == 2.0
 
 
 def test_a_gain_without_corners_is_looked_at_all_the_same():
-    s, seen = look(Plant(num=[0.5], den=[1.0]))
+    _s, seen = look(Plant(num=[0.5], den=[1.0]))
     assert seen.unit == 1.0
-    assert (seen.q[0], seen.q[-1]) == (2.0**-7, 2.0**7)
+    assert (grid(seen)[0], grid(seen)[-1]) == (2.0**-7, 2.0**7)
     assert seen.values.shape[0] == 7
     assert (seen.unities(), seen.turns(), seen.drops()) == ([], [], [])
     assert seen.ratios[:, 0] == pytest.approx([2.25, 9.0, 9.0])
-    assert seen.q[0] <= seen.lowest(ON_DEN) ** 2 <= seen.q[-1]
+    assert grid(seen)[0] <= seen.lowest(ON_DEN) ** 2 <= grid(seen)[-1]
 
 
 def test_what_polynomials_do_not_tell_or_floats_do_not_hold_is_left():
@@ -116,13 +123,6 @@ def test_the_least_ratios_by_hand():
     _, seen = look(LOOPS["lag"])
     assert seen.lowest(ON_DEN) ** 2 == pytest.approx(2.0**9)
     assert seen.lowest(ON_NUM) ** 2 == pytest.approx(2.0**-7)
-
-
-def test_powers_are_made_once():
-    rows = [[1.0, -2.0, 3.0, 4.0], [0.0, 0.0, 1.0, 0.5]]
-    q = np.array([0.0, 1.0, 2.0])
-    assert _values(rows, q).tolist() == [[4.0, 6.0, 10.0], [0.5, 1.5, 2.5]]
-    assert _values([[2.0, 1.0]], q).tolist() == [[1.0, 3.0, 5.0]]
 
 
 @pytest.mark.parametrize(

@@ -38,7 +38,7 @@ def from_power_sums(sums: Sequence[int], error: int, bits: int) -> tuple[list[in
     for k, last in enumerate(sums, 1):
         size_sums += (abs(last) >> bits) + 1
         both = size * error + size_sums * error_here + (k * error * error_here >> bits)
-        error_here = max(error_here, both // k + 2)
+        error_here = both // k + 2  # no less than before, for size_sums is k or more
         values.append(-sum(map(mul, values, sums[k - 1 :: -1])) // (k << bits))
         size += (abs(values[-1]) >> bits) + 1
     return values, error_here

@@ -36,13 +36,15 @@ def _below(path: Path) -> Beyond:
     if path.low is None:
         return _within(float(abs(path.gain[0])) if quiet_below(path) else inf)
     gain = path.below()[1]
-    turns = np.flatnonzero((gain[1:].imag * gain[:-1].imag < 0) & (gain[1:].real < 0))
+    distance = np.abs(1 + gain)
+    if not distance.all():
+        return _within(1.0)  # it is -1
+    turns = np.flatnonzero((gain[1:].imag * gain[:-1].imag <= 0) & (gain[1:].real < 0))
     factors = [float(abs(1 / gain[k])) for i in turns.tolist() for k in (i, i + 1)]
     if path.low.integrators + boundary_poles(path.controller)[0] == 0 and gain[0].real < 0:
         factors.append(float(abs(1 / gain[0])))  # at w = 0 it is real
-    passes = np.flatnonzero((np.abs(gain[1:]) - 1) * (np.abs(gain[:-1]) - 1) < 0)
+    passes = np.flatnonzero((np.abs(gain[1:]) - 1) * (np.abs(gain[:-1]) - 1) <= 0)
     margins = np.degrees(np.abs(np.angle(-gain)))  # on both sides of a crossing, the smaller holds
-    distance = np.abs(1 + gain)
     return Beyond(
         gain_margin=min(factors, key=_from_one, default=inf),
         phase_margin_deg=float(margins[np.concatenate([passes, passes + 1])].min(initial=inf)),
