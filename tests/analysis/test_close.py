@@ -48,10 +48,10 @@ def test_a_polynomial_in_floats_keeps_its_sign():
         points = [0.5, *[sqrt(r) * s for r in roots for s in (1 - 1e-6, 1 + 1e-6)], 1e3, 1e40]
         for v in points:
             assert np.sign(f(v)) == np.sign(np.prod([v * v - r for r in roots]))
-    f = _by_polynomial((1, -6, 5))  # with q = 4 y: 16 y^2 - 24 y + 5, over 2^5
+    f = _by_polynomial((1, -6, 5))  # with q = 2 y: 4 y^2 - 12 y + 5, over 2^4
     assert f(1.0) == 0
-    assert f(2.0) == pytest.approx((16 - 24 + 5) * f(0.0) / 5)
-    assert f(4.0) == pytest.approx((256 - 96 + 5) / 16 * f(0.0) / 5)  # over y^2 = 16
+    assert f(2.0) == pytest.approx((16 - 24 + 5) / 4 * f(0.0) / 5)  # y = 2: over y^2
+    assert f(4.0) == pytest.approx((256 - 96 + 5) / 64 * f(0.0) / 5)
 
 
 def test_suspects_are_the_roots_and_their_sides():
