@@ -13,6 +13,7 @@ from zoh.analysis.margins import margins, measure_loop, peak
 from zoh.analysis.proof import Found, counted, proved
 from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import ON_DEN, ON_NUM, ON_OPPOSITE, Squares
+from zoh.analysis.stability import closed_loop_stable
 from zoh.lti.systems import Plant, Sampled
 from zoh.sampling.hold import sample
 
@@ -51,11 +52,11 @@ def test_what_is_complete_is_proved(loop):
 def test_a_crossing_withheld_or_invented_is_noticed(loop, kind):
     name = {"unities": "gain_crossings", "turns": "phase_crossings", "drops": "bandwidth"}[kind]
     loop, squares, look, found = looked(loop)
-    assert getattr(proved(loop, squares, look, found), name).holds
+    assert getattr(proved(loop, squares, look, found, stable=True), name).holds
     crossings = getattr(found, kind)
     for wrong in ([1e-3, *crossings], crossings[1:]):
         if wrong != crossings:
-            told = proved(loop, squares, look, found._replace(**{kind: wrong}))
+            told = proved(loop, squares, look, found._replace(**{kind: wrong}), stable=True)
             assert not getattr(told, name).holds
             assert told.open() == [name]
 
@@ -69,7 +70,7 @@ def test_a_peak_said_lower_than_it_is_is_noticed(loop, which):
     for factor, holds in ((1.0, True), (1 - 1e-4, True), (1 + 1e-5, False), (1.5, False)):
         peaks = list(found.peaks)
         peaks[which] = replace(true, least=true.least * factor)
-        told = getattr(proved(loop, squares, look, found._replace(peaks=peaks)), name)
+        told = getattr(proved(loop, squares, look, found._replace(peaks=peaks), stable=True), name)
         if factor <= 1 or 0 < true.v < inf:  # at an end the least is a limit, not always there
             assert told.holds is holds
 
@@ -88,7 +89,9 @@ def test_the_methods_are_named():
 @pytest.mark.parametrize(
     ("a", "found", "holds", "method"),
     [
-        ((1, -3, 2), 2, True, "Descartes"),
+        ((1, -1, -2), 1, True, "Descartes"),
+        ((1, -3, 2), 2, True, "Sturm"),
+        ((1, -2, 2), 2, False, "Sturm"),  # two sign changes and two said, but no root
         ((1, -3, 2), 1, False, "Sturm"),
         ((1, -1, 1), 0, True, "Sturm"),  # two sign changes, no root
         ((1, -2, 1), 0, True, "Sturm"),  # touches, does not cross
@@ -163,12 +166,31 @@ def test_the_winding_number_counts_the_zeros_on_the_right(plant, zeros):
     assert margins(plant).stable is (zeros == 0)
 
 
-def test_a_zero_on_the_axis_is_undecided_and_not_stable():
-    on_it = Plant(num=[1], den=[1, 0], dead_time=pi / 2)
-    loop = Loop.of(on_it)
-    assert discs.unstable_zeros(loop, np.geomspace(1e-3, 1e3, 50)) in (None, 0, 2)  # to rounding
-    assert discs.unstable_zeros(Loop.of(Plant(num=[-1], den=[1, 1], dead_time=1.0)),
-                                np.geomspace(1e-3, 1e3, 50)) is None  # fmt: skip
+def test_a_zero_on_the_axis_is_undecided_and_said():
+    """-exp(-s)/(s + 1) is -1 at w = 0, exactly."""
+    loop = Loop.of(Plant(num=[-1], den=[1, 1], dead_time=1.0))
+    assert discs.unstable_zeros(loop, np.geomspace(1e-3, 1e3, 50)) is None
+    found = measure_loop(loop)
+    assert not found.stable
+    assert "stable" in found.certificate.open()
+    assert any("stable" in sentence for sentence in found.warnings)
+
+
+@pytest.mark.parametrize(
+    ("k", "a", "dead_time"), [(0.5, 1e6, 1.0), (0.45, 3e5, 1.0), (0.45, 1e6, 0.3), (0.1, 1e6, 1.0)]
+)
+def test_a_quiet_loop_is_stable_however_often_it_turns(k, a, dead_time):
+    """k a/(s + a) exp(-s T): |L| <= k < 1 everywhere."""
+    loop = Loop.of(Plant(num=[k * a], den=[1, a], dead_time=dead_time))
+    assert closed_loop_stable(loop)
+
+
+def test_a_touch_is_no_crossing():
+    """|L| <= 1, and 1 at w = 1 alone."""
+    loop = Plant(num=[-0.5, 0.5, 0], den=[1, 1.5, 1.5, 1])
+    found = margins(loop)
+    assert found.gain_crossings == ()
+    assert found.certificate.gain_crossings.holds
 
 
 def test_many_samples_late_agrees_with_routh():

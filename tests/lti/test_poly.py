@@ -74,17 +74,6 @@ def test_padded():
     assert poly.padded((1.0, 2.0), 2) == (1.0, 2.0)
 
 
-@given(coefficients, st.floats(0, 50))
-def test_even_and_odd_make_up_the_value_on_the_axis(a, v):
-    even, odd = poly.even_odd(a)
-    q = v * v
-    value = poly.at(even, q) + 1j * v * poly.at(odd, q)
-    assert abs(value - poly.at(a, 1j * v)) <= 1e-13 * size(a, v)
-    assert abs(poly.at(poly.size_squared(a), q) - abs(poly.at(a, 1j * v)) ** 2) <= 1e-13 * (
-        size(a, v) ** 2
-    )
-
-
 @given(st.lists(st.sampled_from([-3.0, -2.0, -0.5, 0.0, 1.0, 4.0]), unique=True, max_size=6))
 def test_roots_come_back(given_roots):
     found = np.sort_complex(poly.roots(np.atleast_1d(np.poly(given_roots)).tolist()))

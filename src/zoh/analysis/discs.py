@@ -22,6 +22,7 @@ from zoh.analysis.squares import Below
 PEAK_TOL = 1e-6  # relative; nearer to a peak than this the intervals would become too many
 _ROUNDING = 1e-14  # of the sum of a polynomial's terms, added to each radius
 _REAL = 1e-12  # of its size, an imaginary part that is rounding
+_TURNED = 1e-15  # of a phase in rad, its rounding and that of its exponential
 _JUST_BEYOND = 1e-7  # of a root: far enough for its sign, near enough to have no other one
 _MOST = 400_000  # intervals
 _ROUNDS = 60  # halvings
@@ -88,8 +89,10 @@ class Stretch:
                 top_slope=top_slope, top_slope_radius=free,
                 bottom_slope=bottom_slope, bottom_slope_radius=bottom_slope_radius,
             )  # fmt: skip
-        psi = self.psi(c)
-        swing = np.maximum(np.abs(self.psi(a) - psi), np.abs(self.psi(b) - psi))
+        psi, ends = self.psi(c), (self.psi(a), self.psi(b))
+        swing = np.maximum(np.abs(ends[0] - psi), np.abs(ends[1] - psi))
+        swing = swing + _TURNED * (np.abs(ends[0]) + np.abs(ends[1]))
+        loose = swing >= 1  # a disc around 0 that holds every phase is smaller then
         turned = np.exp(-1j * psi)
         slope_a, slope_c, slope_b = (self.psi_slope(x) for x in (a, c, b))
         rate = np.maximum(np.abs(slope_a - slope_c), np.abs(slope_b - slope_c))
@@ -97,10 +100,12 @@ class Stretch:
         moved = top_slope - 1j * slope_c * top
         moved_radius = top_slope_radius + np.abs(slope_c) * top_radius + rate * size
         return Discs(
-            top=top * turned, top_radius=top_radius + swing * size,
+            top=np.where(loose, 0, top * turned),
+            top_radius=np.where(loose, size, top_radius + swing * size),
             bottom=bottom, bottom_radius=bottom_radius,
             top_slope=moved * turned,
-            top_slope_radius=moved_radius + swing * (np.abs(moved) + moved_radius),
+            top_slope_radius=moved_radius
+            + np.minimum(swing, 2.0) * (np.abs(moved) + moved_radius),
             bottom_slope=bottom_slope, bottom_slope_radius=bottom_slope_radius,
         )  # fmt: skip
 
@@ -181,11 +186,12 @@ def turns(loop: Loop, v: Array, found: int) -> Proof:
     def at(part: Stretch, x: Array) -> Array:
         top, bottom = part.at(x)
         side = (top * np.conj(bottom)).imag
-        real = (x == 0) & (np.abs(side) <= _REAL * np.abs(top * bottom))  # as all loops are there
+        real = (x == 0) & (np.abs(side) <= (_REAL + _TURNED * part.psi(x)) * np.abs(top * bottom))
         return np.asarray(np.where(real, 0.0, side))
 
     parts = [part.over_powers() for part in stretches(loop, v)[: 1 if loop.dt is None else 2]]
-    return _counted([_changes(part, value, slope, at) for part in parts], found)
+    upto = f" up to {v[-1]:.6g} rad/s" if loop.dt is None else ""
+    return _counted([_changes(part, value, slope, at) for part in parts], found, upto)
 
 
 def passages(loop: Loop, v: Array, level: float, found: Sequence[float]) -> Proof:
@@ -281,13 +287,13 @@ def _changes(
     return int(np.count_nonzero(first * last < 0))
 
 
-def _counted(numbers: list[int | None], found: int) -> Proof:
+def _counted(numbers: list[int | None], found: int, upto: str = "") -> Proof:
     if None in numbers:
         return Proof(
             holds=False, method="discs", detail="two crossings, or none, nearer than discs tell"
         )
     number = sum(n for n in numbers if n is not None)
-    detail = f"{number} sign changes on the axis, {found} found"
+    detail = f"{number} sign changes on the axis{upto}, {found} found"
     return Proof(holds=number == found, method="discs", detail=detail)
 
 

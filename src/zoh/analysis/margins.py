@@ -25,7 +25,7 @@ from zoh.analysis.results import Margins
 from zoh.analysis.rounding import doubts
 from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import ON_DEN, ON_NUM, ON_OPPOSITE, Below, Squares
-from zoh.analysis.stability import closed_loop_stable
+from zoh.analysis.stability import verdict
 from zoh.errors import AccuracyWarning
 from zoh.lti import poly
 from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
@@ -33,6 +33,7 @@ from zoh.lti.systems import Plant, Sampled
 
 _TOUCHES = 4e-15  # |L| this near to 1 at an end of the axis is 1: a few roundings, and
 _AT_A_ROOT = 1e-13  # of its terms: what num conj den is, in floats, at a root of num or den
+_ON_IT_DEG = 1e-12  # a margin this small is 0: a few roundings of the angle
 _BLUR = 1e-6  # the crossing they make up this near to it (|L| is flat there) is none
 
 Crossings = list[tuple[float, float]]
@@ -44,7 +45,7 @@ def margins(loop: Plant | Sampled | FrequencyResponse | TabledLoop) -> Margins:
     Frequencies are real ones in rad/s, below or at Nyquist's. For a table, or a controller
     times one, the result is a ``zoh.TableMargins``. Raises SpecError for what is no system; warns
     (AccuracyWarning, and in the answer's ``warnings``) where rounding of the z-coefficients given
-    has already lost a figure.
+    has already lost a figure, and where one is not proved.
 
     >>> from math import pi
     >>> m = margins(Sampled(num=[0.1], den=[1, -0.9], dt=1.0))  # leaves at z = -1
@@ -68,7 +69,7 @@ def measure_loop(loop: Loop) -> Margins:
     """
     with np.errstate(all="ignore"):  # what overflows is looked for below
         squares = Squares.of(loop)
-        stable = closed_loop_stable(loop)
+        stable = verdict(loop)
         look = Sparse.of(loop, squares)
         found = _measured(loop, squares, look, stable) if look else None
         if found is None or found.certificate is None or not found.certificate.holds:
@@ -87,18 +88,19 @@ def _unproved(m: Margins) -> tuple[str, ...]:
     return (f"not proved to be complete: {', '.join(m.certificate.open())}",)
 
 
-def _measured(loop: Loop, squares: Squares, look: Look, stable: bool) -> Margins:
+def _measured(loop: Loop, squares: Squares, look: Look, stable: bool | None) -> Margins:
     """Return everything that a look at the loop shows, with the proof that it is everything."""
     unities, turns, drops = look.unities(), look.turns(), look.drops()
     by_phase = _phase_crossings(loop, squares, unities, turns)
     by_gain = _gain_crossings(loop, squares, unities, by_phase)
     peaks = [peak(loop, squares, look, below) for below in (ON_DEN, ON_NUM, ON_OPPOSITE)]
-    certificate = proved(loop, squares, look, Found(unities, turns, drops, peaks))
+    found = Found(unities, turns, drops, peaks)
+    certificate = proved(loop, squares, look, found, stable=stable)
     nearest_gain = min(by_phase, key=lambda c: abs(log(c[1])), default=(None, inf))
     nearest_phase = min(by_gain, key=lambda c: abs(c[1]), default=(None, inf))
     modulus, complementary, disk = peaks
     return Margins(
-        stable=stable,
+        stable=stable is True,
         gain_margin=nearest_gain[1],
         phase_crossover=nearest_gain[0],
         phase_margin_deg=nearest_phase[1],
@@ -193,8 +195,8 @@ def _delay_margin(loop: Loop, by_gain: Crossings) -> float:
 
 
 def _delay(w: float, pm_deg: float) -> float:
-    """Return the delay in s that turns the loop at w rad/s onto -1."""
-    return radians(pm_deg) % tau / w
+    """Return the delay in s that turns the loop at w rad/s onto -1; 0 where it is there."""
+    return 0.0 if abs(pm_deg) < _ON_IT_DEG else radians(pm_deg) % tau / w
 
 
 def _square(x: complex) -> float:

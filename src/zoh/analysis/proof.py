@@ -17,6 +17,7 @@ from zoh.analysis.loop import Array, Loop
 from zoh.analysis.results import Certificate, Proof
 from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import Below, Squares
+from zoh.analysis.stability import LONGEST
 from zoh.lti import whole
 from zoh.lti.whole import Whole
 
@@ -45,7 +46,9 @@ class Found(NamedTuple):
     peaks: Sequence[Peak]
 
 
-def proved(loop: Loop, squares: Squares, look: Look, found: Found) -> Certificate:
+def proved(
+    loop: Loop, squares: Squares, look: Look, found: Found, *, stable: bool | None
+) -> Certificate:
     """Return the proofs for what was found in a look."""
     gain = counted(squares.gain, len(found.unities))
     if isinstance(look, Sparse) or squares.whole:
@@ -58,19 +61,32 @@ def proved(loop: Loop, squares: Squares, look: Look, found: Found) -> Certificat
         phases = discs.turns(loop, v[v <= look.reach], len(found.turns))
         passages = discs.passages(loop, v, level, found.drops)
     return Certificate(
-        gain_crossings=gain, phase_crossings=phases, modulus_margin=modulus, mt=complementary,
-        disk_margin=disk, bandwidth=passages,
+        stable=_decided(loop, stable), gain_crossings=gain, phase_crossings=phases,
+        modulus_margin=modulus, mt=complementary, disk_margin=disk, bandwidth=passages,
     )  # fmt: skip
+
+
+def _decided(loop: Loop, stable: bool | None) -> Proof:
+    if stable is None:
+        return Proof(
+            holds=False, method="discs", detail="on the boundary, or too near to it to tell"
+        )
+    if loop.dead_time and (loop.dt is None or loop.dead_time > (LONGEST + 0.5) * loop.dt):
+        return Proof(holds=True, method="discs", detail="the zeros on the right counted by winding")
+    return Proof(holds=True, method="Routh", detail="in whole numbers")
 
 
 def counted(a: Whole, found: int) -> Proof:
     """Return whether a has as many positive roots of odd multiplicity as were found.
 
-    >>> counted((1, -3, 2), 2).method, counted((1, -3, 2), 1).holds
-    ('Descartes', False)
+    One sign change of the coefficients is one root and none is none; of more of them, the roots
+    are fewer by an even number, and are counted.
+
+    >>> counted((1, -1, -2), 1).method, counted((1, -3, 2), 2).method, counted((1, -3, 2), 1).holds
+    ('Descartes', 'Sturm', False)
     """
     most = whole.variations(a)
-    if most == found:
+    if most == found <= 1:
         return Proof(holds=True, method="Descartes", detail=f"{most} sign changes, {found} found")
     number = whole.crossings(a)
     detail = f"{number} sign changes on the axis, {found} found"

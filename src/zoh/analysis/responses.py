@@ -36,7 +36,7 @@ class Response:
     settling_time    s, from which on it stays within 2 % of the peak around the final value;
                      None where it does not by the horizon
     peak_effort      the largest |u|, in input units; inf where it grows without end
-    horizon          s, to which the response was followed
+    horizon          s, to which the response was followed; None where it grows without end
     """
 
     excitation: Excitation
@@ -45,7 +45,7 @@ class Response:
     final_value: float
     settling_time: float | None
     peak_effort: float
-    horizon: float
+    horizon: float | None
 
 
 def response(
@@ -65,8 +65,8 @@ def response(
     final, effort_at_rest = _at_rest(plant, controller, by)
     if final == inf:
         return Response(
-            excitation=by, peak=inf, peak_time=inf, final_value=inf, settling_time=None,
-            peak_effort=inf, horizon=inf,
+            excitation=by, peak=inf, peak_time=None, final_value=inf, settling_time=None,
+            peak_effort=inf, horizon=None,
         )  # fmt: skip
     if by == "ramp":
         motion = _error(motion)

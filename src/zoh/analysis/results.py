@@ -11,7 +11,7 @@ class Proof:
     """Why one figure misses nothing.
 
     holds   whether it is proved
-    method  "Descartes" or "Sturm" (exact counts of a polynomial's roots), "discs" (bounds
+    method  "Routh", "Descartes" or "Sturm" (exact counts of a polynomial's roots), "discs" (bounds
             between the points of a grid), "bound" (nothing to prove), or "none"
     detail  what was counted or bounded
     """
@@ -27,8 +27,13 @@ class Proof:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Certificate:
-    """Proofs that no crossing was missed and no peak is higher; one for each kind of figure."""
+    """Proofs that no crossing was missed and no peak is higher; one for each kind of figure.
 
+    Peaks are proved to 1e-9 of themselves, to 1e-6 where a delay leaves no polynomial; crossings
+    of a continuous dead time up to the frequency that is said.
+    """
+
+    stable: Proof
     gain_crossings: Proof
     phase_crossings: Proof
     modulus_margin: Proof
@@ -72,7 +77,8 @@ class Margins:
     gain_crossings    every (frequency in rad/s, phase margin in deg)
     phase_crossings   every (frequency, gain factor); w = 0 and Nyquist's count where L is
                       negative real there. A continuous dead time turns the loop for ever:
-                      listed are those with a factor up to 1000 and a few more
+                      listed are those with a factor up to 1000 and a few more, or
+                      up to 2 where the others would be too many
     certificate       why no crossing was missed and no peak is higher; None for a table
     warnings          what the figures rest on or where they end, one sentence each
     """
@@ -190,8 +196,18 @@ class StepInfo:
         return f"not at rest by {self.horizon:.4g} s"
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the JSON form."""
-        out: dict[str, Any] = {
+        """Return the JSON form; what does not exist is None."""
+        between, effort = self.between_samples, self.effort_range
+        return {
+            **self._figures(),
+            "between_samples": None if between is None else between._figures(),
+            "peak_effort": self.peak_effort,
+            "peak_effort_time": self.peak_effort_time,
+            "effort_range": None if effort is None else list(effort),
+        }
+
+    def _figures(self) -> dict[str, Any]:
+        return {
             "stable": self.stable,
             "overshoot_pct": self.overshoot_pct,
             "undershoot_pct": self.undershoot_pct,
@@ -203,14 +219,6 @@ class StepInfo:
             "steady_state_error": self.steady_state_error,
             "horizon": self.horizon,
         }
-        if self.between_samples is not None:
-            out["between_samples"] = self.between_samples.to_dict()
-        if self.peak_effort is not None:
-            out["peak_effort"] = self.peak_effort
-            out["peak_effort_time"] = self.peak_effort_time
-        if self.effort_range is not None:
-            out["effort_range"] = list(self.effort_range)
-        return out
 
 
 class Gains(Mapping[str, float]):

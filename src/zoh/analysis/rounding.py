@@ -28,7 +28,7 @@ _WAY_OUT = "build the loop from its parameters (zoh.sample, Sampled.from_w) or s
 
 
 def doubts(loop: Loop, m: Margins) -> tuple[str, ...]:
-    """Return a sentence for each figure that rounding has taken the meaning from.
+    """Return what rounding has done to the phase and gain margins, Ms and stability, if too much.
 
     Only z-coefficients that were given as such are doubted; those that zoh made from a plant
     stand beside their w-form, which is what is measured.
@@ -108,13 +108,14 @@ def _exact(c: float) -> bool:
     >>> _exact(-2.0), _exact(0.1)
     (True, False)
     """
-    top, _ = c.as_integer_ratio()
-    return abs(top) < _SHORT
+    top = abs(c.as_integer_ratio()[0])
+    return top < _SHORT * (top & -top)  # without the zeros it ends in
 
 
 def _frequencies(loop: Loop, m: Margins) -> Iterator[float]:
-    """Return where stability is asked for: seven decades below Nyquist's frequency, and Ms'."""
-    yield m.ms_frequency
+    """Return where stability is asked for: crossings, peaks, seven decades below Nyquist's."""
+    yield from (m.ms_frequency, m.mt_frequency, m.disk_frequency)
+    yield from (w for w, _ in (*m.gain_crossings, *m.phase_crossings))
     top = _nyquist(loop)
     for k in range(_GRID):
         yield top * 10 ** (-7 * k / (_GRID - 1))

@@ -18,10 +18,18 @@ LONGEST = 60  # samples of delay that are multiplied in
 
 
 def closed_loop_stable(loop: Loop) -> bool:
-    """Return whether 1 + L has all its zeros strictly inside the stable region.
+    """Return whether 1 + L is known to have all its zeros strictly inside the stable region.
 
     A zero on the boundary is not stable. Shared factors of num and den count: a hidden mode
     that is unstable makes the loop unstable.
+    """
+    return verdict(loop) is True
+
+
+def verdict(loop: Loop) -> bool | None:
+    """Return whether the closed loop is stable; None where a delay leaves it undecided.
+
+    That is where it is on the boundary to within rounding.
     """
     if not loop.dead_time:
         return whole.hurwitz(whole.plus(*loop.exact))
@@ -49,19 +57,20 @@ def _with_delay(loop: Loop, dt: float, m: int) -> list[int]:
     return whole.plus(den, whole.times([c * s for c, s in zip(num, unit, strict=True)], fall))
 
 
-def _none_encircled(loop: Loop) -> bool:
-    """Return whether no zero of 1 + L is on the right or, to within rounding, on the boundary."""
+def _none_encircled(loop: Loop) -> bool | None:
+    """Return whether no zero of 1 + L is on the right; None where one is on the boundary."""
     if loop.dt is None and abs(loop.num[0]) >= abs(loop.den[0]):
         return False  # |L| >= 1 at infinity with dead time: infinitely many poles on the right
     sizes = [abs(r) for r in (*poly.roots(loop.den), *poly.roots(loop.num)) if r]
     scale = max([*sizes, 1 / loop.dead_time])
     low = min([*sizes, 1 / loop.dead_time]) * 1e-3
     v = np.unique(np.concatenate([np.geomspace(low, scale * 1e3, 300), _turns(loop, scale)]))
-    return unstable_zeros(loop, v[v > 0]) == 0
+    zeros = unstable_zeros(loop, v[v > 0])
+    return None if zeros is None else zeros == 0
 
 
 def _turns(loop: Loop, scale: float) -> Array:
-    """Return frequencies at every 0.3 rad of the delay's phase, as far as the loop matters."""
+    """Return frequencies at every 0.3 rad of the delay's phase or nearer, as far as it matters."""
     if loop.dt is None:
         return np.asarray(np.linspace(0, min(600.0 / loop.dead_time, scale * 10), 2000))
     half = np.linspace(0, pi / 2, max(2, round(loop.dead_time / loop.dt * 20)), endpoint=False)

@@ -115,7 +115,7 @@ class Measured:
         if self.step is not None:
             lines.append(_step_line(self.step))
         if m.certificate is not None and m.certificate.holds:
-            lines.append("  proved: no crossing is missed, no peak is higher")
+            lines.append("  proved: stability, every crossing, every peak")
         lines += [f"  NOTE: {warning}" for warning in m.warnings]
         lines += [f"  MISSED: {miss}" for miss in self.misses]
         return "\n".join(lines)

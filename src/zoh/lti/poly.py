@@ -169,25 +169,3 @@ def _ratio(x: float, y: float, log2_factor: float) -> float:
     (x, x_exponent), (y, y_exponent) = frexp(x), frexp(y)
     whole = floor(log2_factor)
     return ldexp(x / y * 2.0 ** (log2_factor - whole), x_exponent - y_exponent + whole)
-
-
-def even_odd(a: Sequence[float]) -> tuple[Poly, Poly]:
-    """Return (e, o) with a(j v) = e(q) + j v o(q), q = v**2.
-
-    >>> even_odd((1.0, 2.0, 3.0))  # (jv)^2 + 2 jv + 3
-    ((-1.0, 3.0), (2.0,))
-    """
-    ascending = tuple(a)[::-1]
-    even = [c if k % 2 == 0 else -c for k, c in enumerate(ascending[0::2])]
-    odd = [c if k % 2 == 0 else -c for k, c in enumerate(ascending[1::2])]
-    return tuple(even[::-1]), tuple(odd[::-1]) or (0.0,)
-
-
-def size_squared(a: Sequence[float]) -> Poly:
-    """Return the polynomial in q = v**2 that equals |a(j v)|**2.
-
-    >>> size_squared((1.0, 2.0))
-    (1.0, 4.0)
-    """
-    even, odd = even_odd(a)
-    return trim(plus(times(even, even), times((1.0, 0.0), times(odd, odd))))
