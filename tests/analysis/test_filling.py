@@ -20,7 +20,7 @@ def growing(rate):
 
 def track_of(motion, k):
     states = (1 + motion.delta[0, 0]) ** np.array(k, float)[None, :]
-    return Track(k=np.array(k), states=states, rests=True)
+    return Track(k=np.array(k), states=states, horizon=int(k[-1]), rests=True)
 
 
 @pytest.mark.parametrize(
@@ -47,7 +47,7 @@ def test_several_gaps_are_filled_at_once_and_the_others_left():
 
 def test_whether_it_rests_is_kept():
     motion = growing(1e-3)
-    moving = Track(k=np.array([0, 9]), states=np.array([[1.0, 1.001**9]]), rests=False)
+    moving = Track(k=np.array([0, 9]), states=np.array([[1.0, 1.001**9]]), horizon=9, rests=False)
     assert not filled(motion, moving, [0]).rests
 
 

@@ -45,8 +45,8 @@ def test_all_figures_by_hand(by, peak, when, final, settled, effort):
 def test_what_grows_without_end():
     lag = zoh.Plant(num=[1], den=[1, 1])
     assert zoh.response(lag, HALF, by="ramp") == Response(
-        excitation="ramp", peak=inf, peak_time=inf, final_value=inf, settling_time=None,
-        peak_effort=inf, horizon=inf,
+        excitation="ramp", peak=inf, peak_time=None, final_value=inf, settling_time=None,
+        peak_effort=inf, horizon=None,
     )  # fmt: skip
 
 

@@ -25,8 +25,8 @@ def test_a_lag_in_units_of_its_sample():
 
 @pytest.mark.parametrize("t", [1e-9, 0.25, 1 / 3, 0.34, 1.0])
 def test_a_lag_moves_as_an_exponential(t):
-    (phi,), (gamma,) = LAG.move(t)
-    assert phi[0] == pytest.approx(expm1(-1.5 * t), rel=REL)
+    ((phi, gamma),), _ = LAG.over(t)
+    assert phi == pytest.approx(expm1(-1.5 * t), rel=REL)
     assert gamma == pytest.approx(-expm1(-1.5 * t) / 1.5, rel=REL)
 
 
@@ -36,11 +36,10 @@ def test_a_lag_moves_as_an_exponential(t):
 def test_a_lags_series(t, span, direct):
     # y = direct u + 0.25 x; den (s + 3) direct/sensor is added to num
     plant = Plant(num=[8, 26] if direct else [2], den=[1, 3], sensor=0.25)
-    on_state, on_input = Held.of(plant, 0.5).taylor(t, span)
-    assert on_state.shape == (len(on_input), 1)
+    on_state, on_input = Held.of(plant, 0.5)._taylor(t, span).T
     fall = exp(-1.5 * t)
     powers = np.array([(-1.5 * span) ** j / factorial(j) for j in range(len(on_input))])
-    assert on_state[:, 0] == pytest.approx(0.25 * fall * powers, rel=REL)
+    assert on_state == pytest.approx(0.25 * fall * powers, rel=REL)
     wanted = -0.25 / 1.5 * fall * powers
     wanted[0] += 0.25 / 1.5 + direct
     assert on_input == pytest.approx(wanted, rel=REL, abs=1e-16)
@@ -49,12 +48,9 @@ def test_a_lags_series(t, span, direct):
 def test_a_gain_has_no_state():
     held = Held.of(Plant(num=[3], den=[2], sensor=0.5), 0.1)
     assert (held.low, held.c, held.d, held.size) == ((), (), 0.75, 0)
-    phi, gamma = held.move(1.0)
-    assert (phi.shape, gamma.shape) == ((0, 0), (0,))
-    on_state, on_input = held.taylor(0.0, 1.0)
-    assert on_state.shape == (len(on_input), 0)
-    assert on_input[0] == 0.75
-    assert held.stretches(1.0) == [(0.0, 1.0)]
+    moved, ((begin, span, rows),) = held.over(1.0)
+    assert moved.shape == (0, 1)
+    assert (begin, span, rows.tolist()) == (0.0, 1.0, [[0.75]])
 
 
 def test_the_poles_are_no_larger_than_the_two_largest_terms_together():
@@ -99,7 +95,8 @@ def exact(plant, dt, t):
 @pytest.mark.parametrize("t", [0.1, 0.75, 1.0])
 def test_moves_in_fifty_digits(plant, dt, t):
     n = len(plant.den) - 1
-    phi, gamma = Held.of(plant, dt).move(t)
+    moved, _ = Held.of(plant, dt).over(t)
+    phi, gamma = moved[:, :n], moved[:, n]
     with mp.workdps(50):
         whole, _, _ = exact(plant, dt, t)
         wanted = np.array((whole - mp.eye(n + 1)).tolist(), float)
@@ -112,7 +109,8 @@ def test_moves_in_fifty_digits(plant, dt, t):
 @pytest.mark.parametrize("t", [0.0, 0.3])
 def test_series_in_fifty_digits(plant, dt, t):
     n, span = len(plant.den) - 1, 0.25
-    on_state, on_input = Held.of(plant, dt).taylor(t, span)
+    found = Held.of(plant, dt)._taylor(t, span)
+    on_state, on_input = found[:, :n], found[:, n]
     rows = []
     with mp.workdps(50):
         whole, a, row = exact(plant, dt, t)
@@ -138,24 +136,24 @@ def test_as_many_terms_as_count(span):
 
 
 def test_a_gentle_sample_is_one_stretch():
-    assert LAG.stretches(1.0) == [(0.0, 1.0)]
-    assert LAG.stretches(0.3) == [(0.0, 0.3)]
-    assert Held.of(Plant(num=[1], den=[1, 4]), 0.5).stretches(1.0) == [(0.0, 1.0)]
+    assert LAG._stretches(1.0) == [(0.0, 1.0)]
+    assert LAG._stretches(0.3) == [(0.0, 0.3)]
+    assert Held.of(Plant(num=[1], den=[1, 4]), 0.5)._stretches(1.0) == [(0.0, 1.0)]
 
 
 def test_a_swing_is_cut_where_it_has_turned_two_rad():
     # w dt = 20, hardly damped: spans of 0.1 sample
     held = Held.of(Plant(num=[1], den=[1, 0.0, 400.0]), 1.0)
-    found = held.stretches(1.0)
+    found = held._stretches(1.0)
     assert [begin for begin, _ in found] == pytest.approx([i / 10 for i in range(10)], abs=1e-14)
     assert [span for _, span in found] == pytest.approx([0.1] * 10, rel=1e-12)
-    begin, span = held.stretches(0.25)[-1]
+    begin, span = held._stretches(0.25)[-1]
     assert (begin, span) == (pytest.approx(0.2), pytest.approx(0.05))
 
 
 def test_a_mode_that_is_over_is_not_cut():
     # 1/(s + 1000) at dt 1: exp(-40) after 0.04 samples; then longer and longer stretches
-    found = Held.of(Plant(num=[1], den=[1, 1000.0]), 1.0).stretches(1.0)
+    found = Held.of(Plant(num=[1], den=[1, 1000.0]), 1.0)._stretches(1.0)
     assert found[0] == (0.0, 0.002)
     assert sum(span for _, span in found) == pytest.approx(1.0, rel=1e-12)
     spans = np.array([span for _, span in found])
@@ -168,10 +166,25 @@ def test_a_mode_that_is_over_is_not_cut():
     assert 1000 * spans[middle] == pytest.approx(over[middle], rel=1e-12)
     assert np.sum(over > 28 * log(1000)) == 1
     assert len(found) < 40
-    slow = Held.of(Plant(num=[1], den=[1, 1001.0, 1000.0, 0.0]), 1.0).stretches(1.0)
+    slow = Held.of(Plant(num=[1], den=[1, 1001.0, 1000.0, 0.0]), 1.0)._stretches(1.0)
     assert len(slow) == len(found)  # slow poles and integrators cut nothing
 
 
 def test_too_many_stretches_are_none():
-    assert len(Held.of(Plant(num=[1], den=[1, 0, 3900.0**2]), 1.0).stretches(1.0)) == 1950
-    assert Held.of(Plant(num=[1], den=[1, 0, 4100.0**2]), 1.0).stretches(1.0) == []
+    assert len(Held.of(Plant(num=[1], den=[1, 0, 3900.0**2]), 1.0)._stretches(1.0)) == 1950
+    assert Held.of(Plant(num=[1], den=[1, 0, 4100.0**2]), 1.0)._stretches(1.0) == []
+
+
+@pytest.mark.parametrize("plant", PLANTS.values(), ids=PLANTS.keys())
+@pytest.mark.parametrize("dt", [1e-3, 0.1, 1.5])
+def test_the_series_of_a_sample_make_up_its_output(plant, dt):
+    n = len(plant.den) - 1
+    moved, series = Held.of(plant, dt).over(1.0)
+    assert moved.shape == (n, n + 1)
+    assert sum(span for _, span, _ in series) == pytest.approx(1.0, rel=1e-12)
+    with mp.workdps(50):
+        for begin, span, rows in series:
+            whole, _, row = exact(plant, dt, begin + 0.75 * span)
+            wanted = np.array((row * whole).tolist(), float).ravel()
+            powers = 0.75 ** np.arange(len(rows))
+            assert powers @ rows == pytest.approx(wanted, rel=1e-12, abs=1e-15)
