@@ -330,3 +330,24 @@ def test_first_order_loops_have_closed_forms(a, b):
         assert found.crossover == pytest.approx(np.arccos(cos), rel=REL)
     elif abs(cos) > 1.001:
         assert found.crossover is None
+
+
+@pytest.mark.parametrize("gain", [1e-300, 1e-160, 1e-100, 1e100, 1e160, 1e250])
+def test_gains_near_the_ends_of_a_float(gain):
+    """g/(s + 1)^3: real at sqrt(3) with |L| = g/8; T is L below 1, and falls where w^3 = g."""
+    found = margins(Plant(num=[gain], den=[1, 3, 3, 1]))
+    assert found.gain_margin == pytest.approx(8 / gain, rel=1e-12)
+    assert found.certificate.holds
+    if gain < 1:
+        assert (found.modulus_margin, found.disk_margin) == (1.0, 2.0)
+        assert found.mt == pytest.approx(gain, rel=1e-12)
+        # (1 + q)^3 = 10^0.3
+        assert found.bandwidth == pytest.approx(sqrt(10**0.1 - 1), rel=1e-12)
+    else:
+        # |1 + w^3/(j^3 g)|^2 = 1 + (w^3/g)^2 = 10^0.3 but for 1e-33 of it
+        assert found.bandwidth == pytest.approx((gain * sqrt(10**0.3 - 1)) ** (1 / 3), rel=1e-12)
+
+
+def test_what_no_float_holds_is_one_clear_line():
+    with pytest.raises(SpecError, match="must have gains that a 64-bit float can hold"):
+        margins(Plant(num=[1e200], den=[1e-200, 1, 1e200]))

@@ -67,18 +67,27 @@ def measure_loop(loop: Loop) -> Margins:
 
     What the figures rest on is in their ``warnings`` alone.
     """
-    with np.errstate(all="ignore"):  # what overflows is looked for below
+    try:
+        found = _looked_at(loop)
+    except OverflowError:
+        raise out_of_range([*loop.num, *loop.den]) from None
+    numbers = [found.gain_margin, found.phase_margin_deg, found.modulus_margin, found.mt]
+    if any(isnan(x) for x in [*numbers, found.disk_margin]):
+        raise out_of_range([*loop.num, *loop.den])
+    told = (*_unproved(found), *doubts(loop, found))
+    return replace(found, warnings=told) if told else found
+
+
+def _looked_at(loop: Loop) -> Margins:
+    """Return what a sparse look shows where it is proved to be all, else what a close one does."""
+    with np.errstate(all="ignore"):  # what overflows is asked for afterwards
         squares = Squares.of(loop)
         stable = verdict(loop)
         look = Sparse.of(loop, squares)
         found = _measured(loop, squares, look, stable) if look else None
         if found is None or found.certificate is None or not found.certificate.holds:
             found = _measured(loop, squares, Close.of(loop, squares), stable)
-    numbers = [found.gain_margin, found.phase_margin_deg, found.modulus_margin, found.mt]
-    if any(isnan(x) for x in [*numbers, found.disk_margin]):
-        raise out_of_range([*loop.num, *loop.den])
-    told = (*_unproved(found), *doubts(loop, found))
-    return replace(found, warnings=told) if told else found
+        return found
 
 
 def _unproved(m: Margins) -> tuple[str, ...]:

@@ -100,7 +100,7 @@ def _least(squares: Squares, peak: Peak) -> Proof:
         return nothing
     if peak.least == inf:
         return Proof(holds=not any(below), method="bound", detail="measured against 0 everywhere")
-    level, unit = (peak.least**2 * (1 - 2 * PEAK_TOL)).as_integer_ratio()
+    level, unit = _just_below(peak.least)
     above = [unit * c - level * b for c, b in zip(squares.closed, below, strict=True)]
     method = whole.positive(above, peak.v**2)
     return Proof(
@@ -108,6 +108,13 @@ def _least(squares: Squares, peak: Peak) -> Proof:
         method=method or "Sturm",
         detail=f"nowhere below {peak.least:.9g} by more than {PEAK_TOL:g} of it",
     )
+
+
+def _just_below(least: float) -> tuple[int, int]:
+    """Return a square a little below that of the least value, as a fraction."""
+    part, whole_part = (1 - 2 * PEAK_TOL).as_integer_ratio()
+    top, bottom = least.as_integer_ratio()
+    return top * top * part, bottom * bottom * whole_part
 
 
 def _between(loop: Loop, v: Array, peak: Peak) -> Proof:

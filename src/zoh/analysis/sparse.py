@@ -194,5 +194,5 @@ def _polished(f: Callable[[float], float], v: float) -> float:
     """Return v moved by one secant step onto a root of f, which the loop itself gives."""
     near = v * (1 + _NEAR)
     here, there = f(v), f(near)
-    moved = v - here * (near - v) / (there - here) if there != here else v
+    moved = v - here / (there - here) * (near - v) if there != here else v
     return moved if abs(moved - v) < 1e-3 * v else v

@@ -91,7 +91,7 @@ class Squares:
     def ratio(self, v: float, which: Below) -> float:
         """Return |D + N| over |D|, |N| or |D - N| at v, of the exact values there."""
         above, under = (whole.at(a, v * v) for a in (self.closed, self.below(which)))
-        return sqrt(above / under) if under else inf
+        return whole.root_of_ratio(above, under) if under else inf
 
 
 def _drop(top: Whole, closed: Whole) -> tuple[Whole, float]:
@@ -101,7 +101,7 @@ def _drop(top: Whole, closed: Whole) -> tuple[Whole, float]:
         return [0], 0.0
     over, unit = DROP.as_integer_ratio()
     once = [unit * at_rest[1] * c for c in top]
-    return whole.plus(once, closed, -over * at_rest[0]), sqrt(DROP * (at_rest[0] / at_rest[1]))
+    return whole.plus(once, closed, -over * at_rest[0]), sqrt(DROP) * whole.root_of_ratio(*at_rest)
 
 
 def _joined(even: Whole, odd: Whole) -> Whole:

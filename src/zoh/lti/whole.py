@@ -7,7 +7,7 @@ descending powers; a common factor of a power of two is immaterial and left out.
 
 from collections.abc import Sequence
 from itertools import pairwise
-from math import frexp, gcd, inf, ldexp
+from math import frexp, gcd, inf, ldexp, sqrt
 
 Whole = Sequence[int]
 
@@ -83,6 +83,17 @@ def at(a: Whole, x: float) -> int:
         unit *= bottom
         value = value * top + c * unit
     return value
+
+
+def root_of_ratio(top: int, bottom: int) -> float:
+    """Return sqrt(top/bottom), also where that fraction is beyond a float and its root is not.
+
+    >>> root_of_ratio(9, 4), root_of_ratio(10**600, 10**200)
+    (1.5, 1e+200)
+    """
+    half = (top.bit_length() - bottom.bit_length()) // 2
+    part = top / (bottom << 2 * half) if half >= 0 else (top << -2 * half) / bottom
+    return ldexp(sqrt(part), half)
 
 
 def size(a: Whole, octaves: int) -> int:
