@@ -1,4 +1,4 @@
-"""A polynomial on [0, 1] between bounds that cannot be wrong.
+"""A polynomial on [0, 1] between bounds that hold but for the rounding of its coefficients.
 
 Written in Bernstein's basis, a polynomial lies between its least and its largest coefficient,
 and changes its sign at most as often as they do. So where they do not, there is no crossing;

@@ -1,7 +1,7 @@
 """What a loop does under a ramp, an impulse, a disturbance and noise, as figures.
 
-Every figure is exact at all times, not only at the samples. Extremes are true ones; a response
-that has not come to rest by the horizon has no settling time.
+Every figure is that of all times, not only of the samples: extremes are true ones to rounding; a
+response that has not come to rest by the horizon has no settling time.
 Source: K. J. Astrom and R. M. Murray, Feedback Systems, 2nd ed., ch. 12 (the gang of four);
 K. J. Astrom, Introduction to Stochastic Control Theory, ch. 4 (variance by the sum of squares
 of the impulse response).

@@ -1,9 +1,10 @@
 """One output of a motion as a function of time, with its true extremes and crossings.
 
 The motion is known at a list of samples; where few are kept because nothing fast is left, the
-stretches that matter are filled in again. Inside a sample the output is one or more polynomials
-whose Bernstein coefficients bound it, so that only samples that can hold an extreme or a crossing
-are looked into, and none that can is left out.
+stretches that matter are filled in again: which ones, ``filling`` judges by the samples shown.
+Inside a sample the output is one or more polynomials whose Bernstein coefficients bound it, so
+that of the samples shown only those that can hold an extreme or a crossing are looked into, and
+none that can, but for rounding, is left out.
 """
 
 from dataclasses import dataclass
@@ -25,7 +26,7 @@ class Waveform:
 
     k, states  the samples at which the state is known, shape (K,), and it, shape (N, K)
     y, u       the output and the effort there, shape (K,)
-    low, high  bounds of the output from each sample to the next, shape (K,)
+    low, high  bounds of the output over the sample interval that begins there, shape (K,)
     top, bottom  the rows where y is largest and least
     """
 
