@@ -26,7 +26,13 @@ TESTS = {
     "design": ["tests/design", "src/zoh/design", "tests/test_pipeline.py"],
     "sampling": ["tests/sampling", "src/zoh/sampling"],
     "sampling/between": ["tests/sampling/test_between.py", "tests/analysis", "src/zoh/sampling"],
-    "tabled": ["tests/analysis", "src/zoh/analysis/tabled", "tests/test_table_design.py"],
+    "sampling/images": [*map(str, Path("tests/sampling").glob("test_images*.py"))],
+    "sampling/ring": ["tests/sampling/test_ring.py", "tests/sampling/test_exact_arithmetic.py"],
+    "tabled": [
+        *map(str, Path("tests/analysis").glob("test_tabled_*.py")),
+        "src/zoh/analysis/tabled",
+        "tests/test_table_design.py",
+    ],
     "analysis": [
         "tests/analysis",
         "src/zoh/analysis",
@@ -34,6 +40,9 @@ TESTS = {
         "tests/torture/test_torture.py::test_zoh_has_nothing_wrong",
     ],
 }
+HOLD = ["tests/sampling/test_hold.py", "src/zoh/sampling"]
+HOLD += [f"tests/sampling/test_{name}.py" for name in ("fixed", "fixed_bounds", "hold_extremes")]
+TESTS |= {f"sampling/{name}": HOLD for name in ("hold", "fixed", "response", "delta")}
 UNTESTED, EXPLAINED = -1, -2
 WORDS = {
     KILLED: "killed",

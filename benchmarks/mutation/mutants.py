@@ -84,12 +84,7 @@ def _up(node: cst.CSTNode, parent: dict) -> Iterator[cst.CSTNode]:
 
 
 def _owner(above: list[cst.CSTNode]) -> str:
-    """Return the outermost function, after its class if it has one.
-
-    A default of an argument is none of the function's code, but of the module that defines it.
-    """
-    if any(isinstance(n, cst.Param) for n in above):
-        return ""
+    """Return the outermost function, after its class if it has one."""
     named = [n for n in reversed(above) if isinstance(n, cst.FunctionDef | cst.ClassDef)]
     first = next((i for i, n in enumerate(named) if isinstance(n, cst.FunctionDef)), None)
     return "" if first is None else ".".join(n.name.value for n in named[: first + 1])

@@ -4,7 +4,7 @@ Every loop here is a power of w or a constant, which the curve between the point
 each figure in a sentence follows by hand; the hand is in the comment beside it.
 """
 
-from math import degrees, inf, pi, sqrt
+from math import degrees, inf, log, pi, sqrt
 
 import pytest
 
@@ -13,6 +13,7 @@ from zoh import FrequencyResponse, Requirements, Sampled
 from zoh.analysis.squares import DROP
 from zoh.analysis.tabled.results import Spread
 from zoh.analysis.tabled.verify import (
+    TableMeasured,
     TableVerified,
     in_clock,
     measure_table,
@@ -387,3 +388,29 @@ def test_a_miss_said_by_hand_is_a_miss():
     with pytest.raises(NotMet) as refused:
         table_verified(measured(Requirements(pm_deg=95)))
     assert refused.value.misses[0].startswith("pm_deg must be at least 95")
+
+
+def test_a_bound_outside_that_is_just_met_is_met():
+    m = zoh.margins(integrator())
+    assert table_missed(Requirements(ms=m.beyond.ms), m) == []
+    assert table_missed(Requirements(gain_margin_db=20 * log(8) / log(10)), m) == []
+
+
+def test_a_report_of_a_law_with_poles_and_of_a_phase_crossing():
+    law = Sampled(num=[2.0], den=[1.0, -0.5], dt=0.1)
+    lines = measured(law=law).report().splitlines()
+    assert lines[1] == "  D(z) = 2/(z - 0.5), dt = 0.1 s"
+    # w^-2 at -135 deg - 30 ln w: 45 deg at 1 rad/s; -180 deg at e^1.5 = 4.48169, of factor e^3
+    w = [0.25, 1.5, 3, 5, 9, 27]
+    phase = [-135 - 30 * log(x) for x in w]
+    loop = FrequencyResponse(w=w, magnitude=[x**-2 for x in w], phase_deg=phase, dt=0.1)
+    assert measured(plant=loop).report().splitlines()[3] == (
+        "  phase margin 45 deg at 1 rad/s, gain margin 26.06 dB at 4.48169 rad/s"
+    )
+
+
+def test_what_is_not_said_of_evidence():
+    good = fields(measured())
+    del good["misses"]
+    assert TableMeasured(**good).misses == ()
+    assert verify_table(integrator(dt=0.1), ONE).law == "given"

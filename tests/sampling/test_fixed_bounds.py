@@ -217,6 +217,9 @@ def test_a_polynomial_by_its_power_sums_and_its_error():
     # (500 + 1020 + (2 100 102 >> 4 = 1275))/2 + 2
     assert from_power_sums([3 << 4, 5 << 4], 100, 4) == ([16, -48, 32], 1399)
     assert from_power_sums([3 << 4, 5 << 4], 1, 4) == ([16, -48, 32], 19)  # 3, then 35/2 + 2
+    # 1, 2 and 3, off by 1: 1 + 2; (8 1 + 22 3)/2 + 2 = 39; (20 1 + 59 39 + (3 39 >> 4))/3 + 2
+    sums = [6 << 4, 14 << 4, 36 << 4]
+    assert from_power_sums(sums, 1, 4) == ([16, -96, 176, -96], 778)
     assert from_power_sums([], 7, 4) == ([16], 0)
 
 
@@ -266,6 +269,8 @@ MISSING = [
     (forms(num_p=[8], errors=(1, 8, 1, 1)), None),
     (forms(num_p=[-9], errors=(1, 8, 1, 1)), 62),
     (forms(num_p=[0], errors=(1, 0, 1, 1)), 0),  # 0, and not a doubt
+    (forms(num_p=[0]), None),
+    (forms(den_p=[1 << 70, 0]), None),
     # 2^-1076 is 4 bits of 1080, with its error: 15 and 16; in p nothing is too small
     (forms(num_z=[7], errors=(8, 1, 1, 1), bits=1080), 0),
     (forms(num_z=[8], errors=(8, 1, 1, 1), bits=1080), None),

@@ -140,5 +140,6 @@ def test_a_mode_that_no_exponent_holds():
     # 2 2^55 times 8 is 2^59 and takes 59 halvings and one for what is rounded up, 2^57 62
     with precision(80):
         assert response([1], [1, 2.0**55]).exponential(D(1))
+        assert response([1], [1, 2.0**56]).exponential(D(1))
     with precision(80), pytest.raises(SpecError):
         response([1], [1, 2.0**57]).exponential(D(1))

@@ -108,7 +108,6 @@ def _outside(table: FrequencyResponse, w: Array, dt: float, fall: float) -> Arra
     bound = np.zeros(len(w))
     for sign in (1, -1):
         first = np.ceil((high - sign * w) / ws)  # the first n with n ws + sign w >= high
-        first = np.maximum(first, 0 if sign > 0 else 1)
         each = (first + np.arange(_EACH)[:, None]) * ws + sign * w
         each = np.where(each > high, each, np.inf)
         bound += ((high / each) ** fall / each).sum(axis=0)

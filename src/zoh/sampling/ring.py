@@ -46,9 +46,8 @@ def digits_needed(num: Exact, den: Exact, dt: float) -> int:
         n = len(den) - 1
         step = Decimal(dt)
         monic = [c / den[0] * step**i for i, c in enumerate(den)]
-        top = [c / den[0] * step ** (n - len(num) + 1 + i) for i, c in enumerate(num)]
         slow = max(-_log10(c) for c in monic if c)
-        sizes = [_log10(c) for c in top if c]
+        sizes = [_log10(c * step**i) for i, c in enumerate(num) if c]
         fast = n * 10 ** min(_bound(monic), 3.0) / _LN10
     return int(60 + 2 * max(slow, 0.0) + max(sizes) - min(sizes) + 2 * n + min(fast, _CAP))
 

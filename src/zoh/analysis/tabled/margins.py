@@ -218,11 +218,10 @@ def _moved(
     """Return how far the crossing nearest to ``at`` has moved, inf where there is none."""
     if at is None:
         return None
-    moves = [inf if not found else 0.0 for found in others]
-    for k, found in enumerate(others):
-        if found:
-            near = min(found, key=lambda c: abs(log(c[0] / at)))
-            moves[k] = abs(unit(near[1]) - value)
+    moves = []
+    for found in others:
+        near = min(found, key=lambda c: abs(log(c[0] / at)), default=None)
+        moves.append(inf if near is None else abs(unit(near[1]) - value))
     return max(moves)
 
 

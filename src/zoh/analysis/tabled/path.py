@@ -156,7 +156,7 @@ def _between(w: Array) -> Array:
     per_cell = max(2, min(_PER_CELL, _MOST // len(w)))
     parts = np.arange(per_cell) / per_cell
     inner = w[:-1, None] * (w[1:] / w[:-1])[:, None] ** parts
-    return np.append(np.where(parts == 0, w[:-1, None], inner).ravel(), w[-1])
+    return np.append(inner.ravel(), w[-1])  # the points themselves to the bit: w (...)^0
 
 
 def _corners(controller: Plant | Sampled | None) -> Array:
@@ -164,7 +164,7 @@ def _corners(controller: Plant | Sampled | None) -> Array:
     if controller is None:
         return np.empty(0)
     every = np.concatenate([poly.roots(a) for a in _fraction(controller)])
-    every = every[np.isfinite(every) & (every != 0)]
+    every = every[np.isfinite(every)]
     around = np.abs(every.imag)[:, None] + np.abs(every.real)[:, None] * _AROUND
     v = np.concatenate([around.ravel(), np.abs(every)])
     v = np.unique(v[v > 0])
@@ -194,7 +194,7 @@ def _most_above(controller: Plant | Sampled | None, corners: Array, high: float)
     else:
         w = high * np.geomspace(1.0, 1e6, 600)
     w = np.concatenate([w, corners[(corners > high) & (corners < w[-1])]])
-    return float(np.abs(controller.at(w)).max(initial=0.0, where=np.isfinite(w)))
+    return float(np.abs(controller.at(w)).max())
 
 
 def _fraction(controller: Plant | Sampled) -> tuple[poly.Poly, poly.Poly]:
