@@ -62,6 +62,10 @@ def test_powers_of_three():
     # |a| <= 2; E is off by 3 3 = 9, its column by 9 + 9 3 = 36: 2 36 + 4 = 76, then
     # 72 + 2 76 + (36 76 >> 4) + 4
     assert (size, error) == (2, 399)
+    # 2.5, 2.5^2 and 2.5^3: |a| <= 3, |a E| <= 7, |a E^2| <= 16. E is off by 12, its column by 48;
+    # 3 48 + 4 = 148, then 7 48 + 3 148 + (48 148 >> 4) + 4
+    found = [[40, 0, 0], [0, 100, 0], [0, 0, 250]]
+    assert ring.powers([40, 0, 0], 0) == (found, 16, 1228)
 
 
 GROWN = [
