@@ -41,7 +41,10 @@ TESTS = {
     ],
 }
 HOLD = ["tests/sampling/test_hold.py", "src/zoh/sampling"]
-HOLD += [f"tests/sampling/test_{name}.py" for name in ("fixed", "fixed_bounds", "hold_extremes")]
+HOLD += [
+    f"tests/sampling/test_{name}.py"
+    for name in ("fixed", "fixed_bounds", "images", "hold_extremes")
+]
 TESTS |= {f"sampling/{name}": HOLD for name in ("hold", "fixed", "response", "delta")}
 UNTESTED, EXPLAINED = -1, -2
 WORDS = {

@@ -210,6 +210,11 @@ def test_the_json_form_to_the_key():
     }
     assert out["interpolation"] == {"phase_margin_deg": 0.0, "gain_margin_db": None, "ms": 0.0}
     assert out["neglected"] is None
+    assert out["warnings"] == list(zoh.margins(integrator(uncertainty=0.01)).warnings)
+    bound = zoh.margins(integrator(neglected=0.01)).to_dict()
+    assert (bound["neglected"], bound["noise"]) == (out["noise"], None)
+    known = Spread(phase_margin_deg=inf, gain_margin_db=0.5, ms=0.25).to_dict()
+    assert known == {"phase_margin_deg": "inf", "gain_margin_db": 0.5, "ms": 0.25}
 
 
 # Evidence ------------------------------------------------------------------------------------

@@ -79,5 +79,4 @@ class TableMargins(Margins):
                 "mt": jsonable(self.beyond.mt),
             },
             **{name: None if s is None else s.to_dict() for name, s in spreads.items()},
-            "warnings": list(self.warnings),
         }
