@@ -174,6 +174,10 @@ def test_noise_beside_the_axis_at_nyquist_is_no_crossing():
     assert len(found) == 2
     assert 2 < found[0][0] < 3
     assert found[1] == (4.0, near(4.0 / cos(radians(2))))
+    # and where it comes to the axis from below there is none but that of Nyquist's frequency
+    phase_deg = [-90, -150, -175, -178]
+    loop = FrequencyResponse(w=[1, 2, 3, 4], magnitude=size, phase_deg=phase_deg, dt=pi / 4)
+    assert len(margins.Seen.of(Path.of(loop)).phase_crossings) == 1
 
 
 def test_gain_margins_move_in_decibels():
