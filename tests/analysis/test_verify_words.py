@@ -105,7 +105,7 @@ def test_the_dictionary_by_hand():
     controller = {"num": [-2.0], "den": [1.0], "dt": 1.0, "num_w": [-2.0], "den_w": [1.0]}
     assert found == {
         "name": "p", "law": "p", "feasible": True, "reason": None, "gains": {"kp": -2.0},
-        "controller": controller, "met": True, "misses": [],
+        "controller": controller, "met": True, "misses": [], "noise_gain": None,
     }  # fmt: skip
     unstable = measure(INTEGRATOR, backwards).to_dict()
     assert unstable["step"] is None

@@ -16,6 +16,7 @@ from zoh import checks
 from zoh.analysis.asked import missed
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import measure_loop
+from zoh.analysis.responses import noise_gains
 from zoh.analysis.results import Gains, Margins, StepInfo
 from zoh.analysis.stability import closed_loop_stable
 from zoh.analysis.step import closed_loop_step
@@ -39,6 +40,8 @@ class Measured:
     reference          the step asked of the loop, in the units the controller compares
     law, gains, name   labels
     step               None where the closed loop is unstable
+    noise_gain         standard deviation of u per unit of white measurement noise, one value a
+                       sample; None where nothing is asked of it
     misses             one sentence for each requirement missed; empty where all is met
     """
 
@@ -53,6 +56,7 @@ class Measured:
     requirements: Requirements
     margins: Margins
     step: StepInfo | None
+    noise_gain: float | None = None
     misses: tuple[str, ...] = field(default=())
 
     @property
@@ -87,6 +91,7 @@ class Measured:
             },
             "margins": self.margins.to_dict(),
             "step": self._step_dict(),
+            "noise_gain": self.noise_gain,
             "met": self.met,
             "misses": list(self.misses),
         }
@@ -126,7 +131,7 @@ class Verified(Measured):
     """A loop that is stable and meets every requirement; made by ``verify`` alone."""
 
     def __post_init__(self) -> None:
-        found = missed(self.requirements, self.margins, self.step)
+        found = missed(self.requirements, self.margins, self.step, self.noise_gain)
         if self.step is None or not self._evidence_holds():
             found.append("the evidence is not this loop's")
         if found or self.misses:
@@ -179,9 +184,11 @@ def measure(
     margins = measure_loop(Loop.of(controller, sampled))
     for sentence in margins.warnings:
         warn(sentence, AccuracyWarning, stacklevel=2)
-    step = None
+    step, noise_gain = None, None
     if margins.stable:
         step = closed_loop_step(plant, controller, compute_delay=compute_delay, reference=reference)
+        if requirements.noise_gain is not None:
+            noise_gain = noise_gains(plant, controller, compute_delay=compute_delay)[1]
     return Measured(
         name=name or law,
         law=law,
@@ -194,7 +201,8 @@ def measure(
         requirements=requirements,
         margins=margins,
         step=step,
-        misses=tuple(missed(requirements, margins, step)),
+        noise_gain=noise_gain,
+        misses=tuple(missed(requirements, margins, step, noise_gain)),
     )
 
 
