@@ -5,12 +5,15 @@ meets its specification in the loop it was measured in, or raises; none clamps.
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import overload
 
 from zoh import checks
 from zoh.analysis.tabled.verify import TableVerified
 from zoh.analysis.verify import NOTHING_ASKED, Verified, measure, verified
 from zoh.certificate import LAWS, SolvedLaw, certified, least_turn, not_as_asked, solved
+from zoh.choice.choose import AUTO, OF_AUTO, choose
+from zoh.choice.judge import Judge
 from zoh.design import p as p_law
 from zoh.design.target import Target
 from zoh.errors import Infeasible, NotMet, SpecError
@@ -137,7 +140,10 @@ def design(
     ``TableVerified``, which has no step response and so no use for the reference.
     """
     parameters = _checked(law, given)
+    missing = _missing(law, parameters)
     if isinstance(plant, FrequencyResponse):
+        if missing:
+            raise _must_be_given(law, missing[0])
         return design_on_table(
             plant, law, parameters, dt=dt, compute_delay=compute_delay, requirements=requirements,
             name=name,
@@ -156,11 +162,32 @@ def design(
 
     if law == "p" and len(parameters) == 1:
         return _free_p(sampled, parameters, checked)
+    if missing:
+        judge = Judge(
+            plant=plant, sampled=sampled, compute_delay=compute_delay,
+            requirements=requirements, reference=reference,
+        )  # fmt: skip
+        return _chosen(judge, law, parameters, name)
     spec = Crossover(wc=parameters["wc"], pm_deg=parameters["pm_deg"])
     try:
         return checked(solved(law, sampled, spec, parameters), spec)
     except Infeasible as refused:
         raise certified(refused, law, sampled, spec, parameters) from None
+
+
+def _chosen(judge: Judge, law: str, parameters: Mapping[str, float], name: str | None) -> Verified:
+    """Return the design whose open parameters were chosen, measured anew."""
+    spec = Crossover(
+        wc=parameters.get("wc", 1e-9 / judge.sampled.dt), pm_deg=parameters.get("pm_deg", 45.0)
+    )
+    spec.below_nyquist(judge.sampled.dt)
+    chosen = choose(judge, law, parameters)
+    found = design(
+        judge.plant, chosen.law, chosen.parameters, dt=judge.sampled.dt,
+        compute_delay=judge.compute_delay, requirements=chosen.requirements,
+        reference=judge.reference, name=name,
+    )  # fmt: skip
+    return replace(found, choice=chosen.choice)
 
 
 def _free_p(
@@ -195,20 +222,27 @@ def _free_p(
 
 def _checked(law: str, given: Mapping[str, float | None]) -> dict[str, float]:
     """Return the parameters given (None is not given); raise SpecError unless they fit the law."""
-    if not isinstance(law, str) or law not in LAWS:
-        raise SpecError("law", f"must be one of {', '.join(LAWS)}", law, "choose one of these")
+    if not isinstance(law, str) or law not in (*LAWS, AUTO):
+        names = ", ".join((*LAWS, AUTO))
+        raise SpecError("law", f"must be one of {names}", law, "choose one of these")
     if not isinstance(given, Mapping):
         raise SpecError("given", "must name the law's parameters", given, '{"wc": 1, "pm_deg": 50}')
-    takes = LAWS[law]
+    takes = LAWS.get(law, OF_AUTO)
     for name, value in given.items():
         if name not in takes:
             raise SpecError(
                 name, f"is no parameter of {law} ({', '.join(takes)})", value, "leave it out"
             )
-    parameters = {k: checks.positive(k, v) for k, v in given.items() if v is not None}
-    missing = [name for name in takes if name not in parameters]
-    if missing and not (law == "p" and parameters):
-        raise SpecError(
-            missing[0], f"must be given for {law}", None, f"{law} takes {', '.join(takes)}"
-        )
-    return parameters
+    return {k: checks.positive(k, v) for k, v in given.items() if v is not None}
+
+
+def _missing(law: str, parameters: Mapping[str, float]) -> list[str]:
+    """Return the parameters that were left open; a P has one of two."""
+    if law == "p" and parameters:
+        return []
+    return ["law"] if law == AUTO else [name for name in LAWS[law] if name not in parameters]
+
+
+def _must_be_given(law: str, name: str) -> SpecError:
+    takes = ", ".join(LAWS.get(law, ())) or "a plant's model"
+    return SpecError(name, f"must be given for {law} on a table", None, f"{law} takes {takes}")

@@ -106,6 +106,7 @@ def test_the_dictionary_by_hand():
     assert found == {
         "name": "p", "law": "p", "feasible": True, "reason": None, "gains": {"kp": -2.0},
         "controller": controller, "met": True, "misses": [], "noise_gain": None,
+        "choice": None,
     }  # fmt: skip
     unstable = measure(INTEGRATOR, backwards).to_dict()
     assert unstable["step"] is None

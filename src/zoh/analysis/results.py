@@ -221,6 +221,46 @@ class StepInfo:
         }
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Choice:
+    """What was left open of a request, and why it was closed as it was; a label, no evidence.
+
+    open     the names of what was open: law, wc, pm_deg, ki, dc_gain
+    assumed  the requirements that were assumed where none was given
+    limits   what stands against a faster crossover, one sentence each
+    tried    (law, why not) of the simpler laws that were tried first
+    """
+
+    open: tuple[str, ...]
+    assumed: tuple[str, ...] = ()
+    limits: tuple[str, ...] = ()
+    tried: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """Return the choice in words.
+
+        >>> Choice(open=("wc",), limits=("above 2 rad/s ms must be at most 1.7",)).sentences
+        ('chosen: wc, the fastest that meets everything', 'above 2 rad/s ms must be at most 1.7')
+        """
+        fastest = ", the fastest that meets everything" if "wc" in self.open else ""
+        return (
+            f"chosen: {', '.join(self.open)}{fastest}",
+            *([f"assumed, nothing being asked: {', '.join(self.assumed)}"] if self.assumed else []),
+            *self.limits,
+            *(f"no {law}: {why}" for law, why in self.tried),
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON form."""
+        return {
+            "open": list(self.open),
+            "assumed": list(self.assumed),
+            "limits": list(self.limits),
+            "tried": [{"law": law, "why_not": why} for law, why in self.tried],
+        }
+
+
 class Gains(Mapping[str, float]):
     """Gains by name, read-only; unlike a mapping proxy they can be pickled and hashed."""
 

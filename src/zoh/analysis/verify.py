@@ -17,7 +17,7 @@ from zoh.analysis.asked import missed
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import measure_loop
 from zoh.analysis.responses import noise_gains
-from zoh.analysis.results import Gains, Margins, StepInfo
+from zoh.analysis.results import Choice, Gains, Margins, StepInfo
 from zoh.analysis.stability import closed_loop_stable
 from zoh.analysis.step import closed_loop_step
 from zoh.errors import AccuracyWarning, NotMet, SpecError
@@ -43,6 +43,7 @@ class Measured:
     noise_gain         standard deviation of u per unit of white measurement noise, one value a
                        sample; None where nothing is asked of it
     misses             one sentence for each requirement missed; empty where all is met
+    choice             what was left open and how it was closed, a label; None where nothing was
     """
 
     name: str
@@ -58,6 +59,7 @@ class Measured:
     step: StepInfo | None
     noise_gain: float | None = None
     misses: tuple[str, ...] = field(default=())
+    choice: Choice | None = None
 
     @property
     def dt(self) -> float:
@@ -94,6 +96,7 @@ class Measured:
             "noise_gain": self.noise_gain,
             "met": self.met,
             "misses": list(self.misses),
+            "choice": None if self.choice is None else self.choice.to_dict(),
         }
 
     def _step_dict(self) -> dict[str, Any] | None:
@@ -121,6 +124,8 @@ class Measured:
             lines.append(_step_line(self.step))
         if m.certificate is not None and m.certificate.holds:
             lines.append("  proved: stability, every crossing, every peak")
+        if self.choice is not None:
+            lines += [f"  {sentence}" for sentence in self.choice.sentences]
         lines += [f"  NOTE: {warning}" for warning in m.warnings]
         lines += [f"  MISSED: {miss}" for miss in self.misses]
         return "\n".join(lines)

@@ -13,6 +13,7 @@ from zoh.app.measured import read_table
 from zoh.app.plants import is_table, output_unit, read_plant
 from zoh.app.toml import Literal, Section, tables, within
 from zoh.certificate import LAWS
+from zoh.choice.choose import AUTO, OF_AUTO
 from zoh.errors import SpecError
 from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.parse import quotient
@@ -198,7 +199,7 @@ def _controllers(file: Section, dt: float) -> tuple[Request | Given, ...]:
 
 def _controller(entry: Section, dt: float) -> Request | Given:
     law = entry.data.get("law")
-    known = [*LAWS, GIVEN]
+    known = [*LAWS, AUTO, GIVEN]
     if law is None:
         raise entry.missing("law", f"one of {', '.join(known)}")
     if not isinstance(law, str) or law not in known:
@@ -207,8 +208,9 @@ def _controller(entry: Section, dt: float) -> Request | Given:
     named = Section(path=f'controller "{name}": ', data=entry.data)
     if law == GIVEN:
         return _given(named, name, dt)
-    named.only(["name", "law", *LAWS[law]])
-    found = {key: named.number(key) for key in LAWS[law]}
+    takes = LAWS.get(law, OF_AUTO)
+    named.only(["name", "law", *takes])
+    found = {key: named.number(key) for key in takes}
     parameters = {key: float(value) for key, value in found.items() if value is not None}
     _check_crossover(named, parameters, dt)
     return Request(name=name, law=law, parameters=parameters)
