@@ -21,11 +21,11 @@ import numpy as np
 from zoh.analysis.close import Close
 from zoh.analysis.loop import Loop, out_of_range
 from zoh.analysis.proof import Found, Look, Peak, proved
-from zoh.analysis.results import Margins
+from zoh.analysis.results import Margins, Proof
 from zoh.analysis.rounding import doubts
 from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import ON_DEN, ON_NUM, ON_OPPOSITE, Below, Squares
-from zoh.analysis.stability import verdict
+from zoh.analysis.stability import decided
 from zoh.errors import AccuracyWarning
 from zoh.lti import poly
 from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
@@ -82,7 +82,7 @@ def _looked_at(loop: Loop) -> Margins:
     """Return what a sparse look shows where it is proved to be all, else what a close one does."""
     with np.errstate(all="ignore"):  # what overflows is asked for afterwards
         squares = Squares.of(loop)
-        stable = verdict(loop)
+        stable = decided(loop)
         look = Sparse.of(loop, squares)
         found = _measured(loop, squares, look, stable) if look else None
         if found is None or found.certificate is None or not found.certificate.holds:
@@ -97,14 +97,17 @@ def _unproved(m: Margins) -> tuple[str, ...]:
     return (f"not proved to be complete: {', '.join(m.certificate.open())}",)
 
 
-def _measured(loop: Loop, squares: Squares, look: Look, stable: bool | None) -> Margins:
+def _measured(
+    loop: Loop, squares: Squares, look: Look, decision: tuple[bool | None, Proof]
+) -> Margins:
     """Return everything that a look at the loop shows, with the proof that it is everything."""
+    stable, why = decision
     unities, turns, drops = look.unities(), look.turns(), look.drops()
     by_phase = _phase_crossings(loop, squares, unities, turns)
     by_gain = _gain_crossings(loop, squares, unities, by_phase)
     peaks = [peak(loop, squares, look, below) for below in (ON_DEN, ON_NUM, ON_OPPOSITE)]
     found = Found(unities, turns, drops, peaks)
-    certificate = proved(loop, squares, look, found, stable=stable)
+    certificate = proved(loop, squares, look, found, stable=why)
     nearest_gain = min(by_phase, key=lambda c: abs(log(c[1])), default=(None, inf))
     nearest_phase = min(by_gain, key=lambda c: abs(c[1]), default=(None, inf))
     modulus, complementary, disk = peaks
