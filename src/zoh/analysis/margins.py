@@ -199,11 +199,20 @@ def peak(loop: Loop, squares: Squares, look: Look, below: Below) -> Peak:
 def _delay_margin(loop: Loop, by_gain: Crossings) -> float:
     """Return the least delay in s that turns a crossing onto -1.
 
-    A continuous loop whose gain stays above 1 at the highest frequencies bears none at all.
+    A continuous loop whose gain stays above 1 at the highest frequencies bears none at all. A
+    sampled one whose gain is above 1 at Nyquist's frequency, where L is real, bears at most what
+    turns that end of the curve onto the negative axis, too: a sample, or nothing.
     """
-    if loop.dt is None and loop.num[0] != 0 and abs(loop.num[0]) >= abs(loop.den[0]):
-        return 0.0
-    return min((_delay(w, pm) for w, pm in by_gain if w), default=inf)
+    found = [_delay(w, pm) for w, pm in by_gain if w or abs(pm) < _ON_IT_DEG]
+    _, top, bottom = loop.ends()[-1]
+    if abs(top) >= abs(bottom):  # at the end |L| is 1 or more
+        if loop.dt is None:
+            return 0.0
+        if top * bottom < 0:
+            found.append(0.0)
+        else:
+            found.append(loop.dt)
+    return min(found, default=inf)
 
 
 def _delay(w: float, pm_deg: float) -> float:

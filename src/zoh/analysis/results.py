@@ -68,7 +68,8 @@ class Margins:
     crossover         rad/s, where that is; None where |L| never is 1
     delay_margin      s, the least extra delay over all gain crossovers that makes the loop
                       marginally stable; inf where there is none, 0 for a continuous loop whose
-                      gain stays above 1 at the highest frequencies
+                      gain stays above 1 at the highest frequencies; a sampled loop whose gain is
+                      above 1 at Nyquist's bears no whole sample, so dt at most
     modulus_margin    min |1 + L|, at ms_frequency rad/s
     mt                max |L/(1 + L)|, at mt_frequency rad/s
     disk_margin       balanced (sigma = 0): min 2 |1 + L|/|1 - L|, at disk_frequency rad/s
