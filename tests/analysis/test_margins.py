@@ -299,6 +299,23 @@ def test_a_gain_above_one_at_nyquist_bears_no_sample():
     assert seen > 50
 
 
+@pytest.mark.parametrize("gain", [1e-140, 1e-162, 1e-170, 1e-300])
+def test_a_loop_so_quiet_that_its_squares_are_beyond_a_float(gain):
+    """gain/(s(s + 1)) crosses over at gain, where it is turned by 90 deg and next to no more."""
+    found = margins(Plant(num=[gain], den=[1, 1, 0]))
+    assert (found.crossover, found.phase_margin_deg) == (gain, pytest.approx(90, abs=1e-12))
+    assert found.delay_margin == pytest.approx(pi / 2 / gain, rel=1e-12)
+    assert (found.stable, found.gain_margin) == (True, inf)
+
+
+@pytest.mark.parametrize("gain", [1e160, 1e300])
+def test_a_loop_so_loud_that_its_squares_are_beyond_a_float(gain):
+    """It crosses over at the root of its gain, with atan(1/w) to spare."""
+    found = margins(Plant(num=[gain], den=[1, 1, 0]))
+    assert found.crossover == pytest.approx(sqrt(gain), rel=1e-12)
+    assert found.phase_margin_deg == pytest.approx(degrees(1 / sqrt(gain)), rel=1e-9)
+
+
 def test_delays_that_no_crossing_tells():
     # 1.2 z - 1 over z + 0.1 is 2.4 at z = -1; late by a sample it is z^2 + 1.3 z - 1
     assert margins(Sampled(num=[1.2, -1], den=[1, 0.1], dt=0.5)).delay_margin == 0.5

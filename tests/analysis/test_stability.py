@@ -80,6 +80,15 @@ def late_lag(turn):
     return sqrt(1 + w * w)
 
 
+@pytest.mark.parametrize("gain", [1e-5, 1e-12, 1e-30, 1e-100])
+def test_a_quiet_integrator_some_time_late(gain):
+    """Its slow pole is at -gain, and a hair right of 0 where the gain has the other sign."""
+    assert closed_loop_stable(Loop.of(Plant(num=[gain], den=[1.0, 1.0, 0.0], dead_time=0.1)))
+    assert not closed_loop_stable(Loop.of(Plant(num=[-gain], den=[1.0, 1.0, 0.0], dead_time=0.1)))
+    assert closed_loop_stable(integrator(gain, 100))
+    assert not closed_loop_stable(integrator(-gain, 100))
+
+
 @pytest.mark.parametrize("scale", [1e-4, 1.0, 1e5])
 def test_a_late_lag_in_any_unit_of_time(scale):
     limit = late_lag(pi)

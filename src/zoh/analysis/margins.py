@@ -34,6 +34,7 @@ from zoh.lti.systems import Plant, Sampled
 _TOUCHES = 4e-15  # |L| this near to 1 at an end of the axis is 1: a few roundings, and
 _AT_A_ROOT = 1e-13  # of its terms: what num conj den is, in floats, at a root of num or den
 _ON_IT_DEG = 1e-12  # a margin this small is 0: a few roundings of the angle
+_TINY = 1e-290  # a product below it has lost digits
 _BLUR = 1e-6  # the crossing they make up this near to it (|L| is flat there) is none
 
 Crossings = list[tuple[float, float]]
@@ -158,7 +159,11 @@ def _phase_crossings(
     for v in turns:
         top, bottom = loop.point(v)
         product = (top * bottom.conjugate()).real
-        if product < -_AT_A_ROOT * _bulk(loop, v):
+        if not _TINY < abs(product) < inf:
+            ratio = _ratio(top, bottom)
+            if ratio.real < -_AT_A_ROOT * abs(ratio):
+                crossings.append((loop.frequency(v), -1 / ratio.real))
+        elif product < -_AT_A_ROOT * _bulk(loop, v):
             crossings.append((loop.frequency(v), -_square(bottom) / product))
     every = crossings + _at_the_ends(loop)
     return sorted((w, factor) for w, factor in every if 0 < factor < inf)  # what a float holds
@@ -232,8 +237,16 @@ def _scale(loop: Loop) -> float:
 
 def _margin_deg(top: complex, bottom: complex) -> float:
     """Return the angle from -180 deg to L, in (-180, 180]."""
-    angle = degrees(phase(-top * bottom.conjugate()))
+    product = -top * bottom.conjugate()
+    if not _TINY < abs(product.real) + abs(product.imag) < inf:
+        product = -_ratio(top, bottom)
+    angle = degrees(phase(product))
     return 180.0 if angle <= -180 else angle
+
+
+def _ratio(top: complex, bottom: complex) -> complex:
+    """Return top/bottom where their product is beyond a float; bottom 0 counts as the least."""
+    return top / (bottom or _TINY)
 
 
 def _bulk(loop: Loop, v: float) -> float:

@@ -7,7 +7,7 @@ at.
 """
 
 from collections.abc import Sequence
-from math import comb, pi
+from math import comb, exp, log, log10, pi
 
 import numpy as np
 
@@ -75,10 +75,20 @@ def _none_encircled(loop: Loop) -> bool | None:
         return False  # |L| >= 1 at infinity with dead time: infinitely many poles on the right
     sizes = [abs(r) for r in (*poly.roots(loop.den), *poly.roots(loop.num)) if r]
     scale = max([*sizes, 1 / loop.dead_time])
-    low = min([*sizes, 1 / loop.dead_time]) * 1e-3
-    v = np.unique(np.concatenate([np.geomspace(low, scale * 1e3, 300), _turns(loop, scale)]))
+    low = min([*sizes, 1 / loop.dead_time, *_slow_crossover(loop)]) * 1e-3
+    even = np.geomspace(low, scale * 1e3, 300 + 20 * int(log10(scale / low)))
+    v = np.unique(np.concatenate([even, _turns(loop, scale)]))
     zeros = unstable_zeros(loop, v[v > 0])
     return None if zeros is None else zeros == 0
+
+
+def _slow_crossover(loop: Loop) -> list[float]:
+    """Return the v at which integrators alone would bring |L| to 1; nothing without them."""
+    num, den = poly.trim(loop.num[::-1]), poly.trim(loop.den[::-1])
+    more = len(loop.den) - len(den) - (len(loop.num) - len(num))
+    if more <= 0:
+        return []
+    return [exp((log(abs(num[0])) - log(abs(den[0]))) / more)]
 
 
 def _turns(loop: Loop, scale: float) -> Array:
