@@ -46,7 +46,21 @@ class SolvedLaw:
 def solved(
     law: str, sampled: Response, spec: Crossover, parameters: Mapping[str, float]
 ) -> SolvedLaw:
-    """Return the law of this name solved at the crossover; raise Infeasible where it cannot be."""
+    """Return the law of this name solved at the crossover; raise Infeasible where it cannot be.
+
+    Raises SpecError where the gains it would need are beyond a float.
+    """
+    try:
+        return _solved(law, sampled, spec, parameters)
+    except (OverflowError, ZeroDivisionError):
+        raise SpecError(
+            "wc", "must be where a float can hold the gains", spec.wc, "use other units"
+        ) from None
+
+
+def _solved(
+    law: str, sampled: Response, spec: Crossover, parameters: Mapping[str, float]
+) -> SolvedLaw:
     found: p_law.P | pi_law.PI | pid_law.PID | first_order.FirstOrder
     if law == "p":
         found = p_law.solve(sampled, spec)
@@ -111,7 +125,7 @@ def advised(
     def works(name: str, at: Crossover) -> bool:
         try:
             found = solved(name, sampled, at, {**_free(sampled, at), **parameters})
-        except (Infeasible, SpecError):
+        except (Infeasible, SpecError, OverflowError):  # the last one in what is tried
             return False
         return holds(found.controller, at)
 

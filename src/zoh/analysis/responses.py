@@ -162,6 +162,8 @@ def _error(motion: Motion) -> Motion:
 
 
 def _check_stable(plant: Plant, controller: Sampled, compute_delay: float) -> None:
+    if not isinstance(controller, Sampled):
+        raise SpecError("controller", "must be a zoh.Sampled", controller, "give num, den and dt")
     loop = Loop.of(controller, sample(plant, controller.dt, compute_delay))
     if not closed_loop_stable(loop):
         raise SpecError(

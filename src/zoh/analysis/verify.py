@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import radians
 from typing import Any
-from warnings import warn
 
 from zoh import checks
 from zoh.analysis.asked import missed
@@ -20,7 +19,7 @@ from zoh.analysis.responses import noise_gains
 from zoh.analysis.results import Choice, Gains, Margins, StepInfo
 from zoh.analysis.stability import closed_loop_stable
 from zoh.analysis.step import closed_loop_step
-from zoh.errors import AccuracyWarning, NotMet, SpecError
+from zoh.errors import NotMet, SpecError, warn
 from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.systems import Plant, Sampled
 from zoh.lti.written import fraction, number
@@ -176,7 +175,7 @@ def measure(
         raise SpecError("plant", "must be a model", plant, "zoh.measure_table is for tables")
     if not isinstance(controller, Sampled):
         raise SpecError("controller", "must be a zoh.Sampled", controller, "give num, den and dt")
-    if dt is not None and dt != controller.dt:
+    if dt is not None and checks.number("dt", dt, "give seconds") != controller.dt:
         raise SpecError("dt", f"must be the controller's {controller.dt!r} s", dt, "use one clock")
     reference = checks.number("reference", reference, "give the size of the step")
     if reference == 0:
@@ -185,23 +184,22 @@ def measure(
         raise SpecError(
             "requirements", "must be zoh.Requirements", requirements, "zoh.Requirements(ms=1.8)"
         )
+    labels = _labels(law, gains, name)
     sampled = sample(plant, controller.dt, compute_delay)
     margins = measure_loop(Loop.of(controller, sampled))
     for sentence in margins.warnings:
-        warn(sentence, AccuracyWarning, stacklevel=2)
+        warn(sentence)
     step, noise_gain = None, None
     if margins.stable:
         step = closed_loop_step(plant, controller, compute_delay=compute_delay, reference=reference)
         if requirements.noise_gain is not None:
             noise_gain = noise_gains(plant, controller, compute_delay=compute_delay)[1]
     return Measured(
-        name=name or law,
-        law=law,
-        gains=Gains(dict(gains or {})),
+        **labels,
         plant=plant,
         sampled=sampled,
         controller=controller,
-        compute_delay=compute_delay,
+        compute_delay=float(compute_delay),
         reference=reference,
         requirements=requirements,
         margins=margins,
@@ -209,6 +207,18 @@ def measure(
         noise_gain=noise_gain,
         misses=tuple(missed(requirements, margins, step, noise_gain)),
     )
+
+
+def _labels(law: str, gains: Mapping[str, float] | None, name: str | None) -> dict[str, Any]:
+    """Return law, gains and name, checked."""
+    if gains is None:
+        gains = {}
+    if not isinstance(gains, Mapping):
+        raise SpecError("gains", "must name each gain", gains, 'such as {"kp": 2.0}')
+    known = {checks.text("gains", k): checks.number(f"gains[{k!r}]", v) for k, v in gains.items()}
+    law = checks.text("law", law)
+    label = law if name is None else checks.text("name", name)
+    return {"law": law, "gains": Gains(known), "name": label or law}
 
 
 def verify(
