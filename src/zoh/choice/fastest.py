@@ -26,10 +26,11 @@ from zoh.spec import Crossover
 STEP = (0.005, 0.015, 0.03)  # of wc, between two that are tried; by the number of coordinates
 EDGE = 1e-4  # of wc, to which the edge is closed in on
 _FAR = -0.1  # of slack: where a glance says that no point of the grid is above it, none is near
-_LOW = -0.5  # of slack: a hill that starts lower is not climbed
+_LOW = -1.5  # of slack: a hill that starts lower is not climbed
 _STRIDE = 8.0  # times longer steps where a crossover misses by all
 _HILLS = 4  # that are climbed
-_NEAR = 0.02  # the simplex's size where a point near the highest is known
+_NEAR = (0.02, 0.1, 0.004)  # the simplex's sizes where a point near the highest is known
+_PUSHES = (0.01, 0.002, 0.0005)  # of wc, by which a crossover found is tried to be passed
 _BELOW = 100.0  # times below the plant's slowest corner nothing new happens
 _NYQUIST = 0.999  # of pi/dt is the fastest that is tried
 _NOWHERE = Judgement(slack=-5.0, failed="the law cannot give the margin asked")
@@ -85,8 +86,13 @@ class Search:
             wc /= 1 + step * min(_STRIDE, 1 - (_STRIDE - 1) * min(0.0, here.judgement.slack - _FAR))
         return Edge(best=nearest or Trial(wc=top), above=None)
 
-    def at(self, wc: float, seed: Point | None = None, enough: float = 0.0) -> Trial:
-        """Return the trial at wc: the first point found of ``enough`` slack, or the best one."""
+    def at(
+        self, wc: float, seed: Point | None = None, enough: float = 0.0, *, seeded: bool = False
+    ) -> Trial:
+        """Return the trial at wc: the first point found of ``enough`` slack, or the best one.
+
+        seed    a point near which to look first;  seeded  only there, but thoroughly
+        """
         least = self.judge.requirements.pm_deg or 0.0
         freedom = Freedom.of(self.law, self.judge.sampled, wc, self.fixed, least)
         if freedom is None:
@@ -102,8 +108,10 @@ class Search:
 
         with suppress(HighEnough):
             if seed is not None and len(seed) == freedom.size:
-                climb(height, seed, _NEAR)
-            self._look(freedom, height, known)
+                for size in _NEAR[: 3 if seeded else 1]:
+                    climb(height, seed, size)
+            if not seeded or not known:
+                self._look(freedom, height, known)
         best = max(known, key=lambda p: known[p].slack)
         return Trial(wc=wc, point=best, parameters=freedom.parameters(best), judgement=known[best])
 
@@ -148,7 +156,19 @@ class Search:
                 good = here
             else:
                 bad = here
-        return Edge(best=good, above=bad)
+        return self._pushed(Edge(best=good, above=bad))
+
+    def _pushed(self, edge: Edge) -> Edge:
+        """Return the edge, passed as far as a thorough look around its best point goes."""
+        pushes = list(_PUSHES)
+        while pushes and edge.above is not None:
+            here = self.at(edge.best.wc * (1 + pushes[0]), edge.best.point, seeded=True)
+            if here.met:
+                edge = Edge(best=here, above=here)
+            else:
+                edge = Edge(best=edge.best, above=here)
+                del pushes[0]
+        return edge
 
 
 def coordinates(law: str, fixed: Mapping[str, float]) -> int:
