@@ -140,7 +140,7 @@ def design(
     ``TableVerified``, which has no step response and so no use for the reference.
     """
     parameters = _checked(law, given)
-    missing = _missing(law, parameters)
+    missing = left_open(law, parameters)
     if isinstance(plant, FrequencyResponse):
         if missing:
             raise _must_be_given(law, missing[0])
@@ -236,7 +236,7 @@ def _checked(law: str, given: Mapping[str, float | None]) -> dict[str, float]:
     return {k: checks.positive(k, v) for k, v in given.items() if v is not None}
 
 
-def _missing(law: str, parameters: Mapping[str, float]) -> list[str]:
+def left_open(law: str, parameters: Mapping[str, float]) -> list[str]:
     """Return the parameters that were left open; a P has one of two."""
     if law == "p" and parameters:
         return []
