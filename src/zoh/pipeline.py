@@ -5,12 +5,24 @@ meets its specification in the loop it was measured in, or raises; none clamps.
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
+from math import inf
 from typing import overload
 
 from zoh import checks
+from zoh.analysis.load_error import load_iae
 from zoh.analysis.tabled.verify import TableVerified
 from zoh.analysis.verify import NOTHING_ASKED, Verified, measure, verified
-from zoh.certificate import LAWS, SolvedLaw, certified, least_turn, not_as_asked, solved
+from zoh.certificate import (
+    LAWS,
+    OPTIONS,
+    SPARE,
+    SolvedLaw,
+    certified,
+    least_turn,
+    not_as_asked,
+    solved,
+)
 from zoh.design import p as p_law
 from zoh.design.target import Target
 from zoh.errors import Infeasible, NotMet, SpecError
@@ -55,28 +67,45 @@ def pi(
 
 def pd(
     plant: Known, *, dt: float, wc: float | None = None, pm_deg: float | None = None,
-    compute_delay: float = 0.0, requirements: Requirements = NOTHING_ASKED,
+    filter_pole: float | None = None, compute_delay: float = 0.0,
+    requirements: Requirements = NOTHING_ASKED,
 ) -> Design:  # fmt: skip
-    """Return the PD controller kp + kd w/(1 + w dt/2) that crosses over at wc with pm_deg."""
-    given = {"wc": wc, "pm_deg": pm_deg}
+    """Return the PD controller kp + kd w/(1 + w/p) that crosses over at wc with pm_deg.
+
+    p is ``filter_pole`` in rad/s, 2/dt where it is left out.
+    """
+    given = {"wc": wc, "pm_deg": pm_deg, "filter_pole": filter_pole}
     return design(plant, "pd", given, dt=dt, compute_delay=compute_delay, requirements=requirements)
 
 
 def pid(
     plant: Known, *, dt: float, wc: float | None = None, pm_deg: float | None = None,
-    ki: float | None = None, compute_delay: float = 0.0,
-    requirements: Requirements = NOTHING_ASKED,
+    ki: float | None = None, ti_td: float | None = None, largest_ki_ms: float | None = None,
+    least_iae_ms: float | None = None, filter_pole: float | None = None,
+    compute_delay: float = 0.0, requirements: Requirements = NOTHING_ASKED,
 ) -> Design:  # fmt: skip
-    """Return the PID with integral gain ki that crosses over at wc (rad/s) with pm_deg (deg).
+    """Return the PID that crosses over at wc (rad/s) with pm_deg (deg).
 
-    D(w) = kp + ki/w + kd w/(1 + w dt/2), w = (2/dt)(z-1)/(z+1).
+    D(w) = kp + ki/w + kd w/(1 + w/p), w = (2/dt)(z-1)/(z+1); p is ``filter_pole`` in rad/s,
+    2/dt where it is left out. One gain is left free, and exactly one of these closes it:
+
+    ki             the integral gain itself, in u/(y s)
+    ti_td          Ti/Td = kp^2/(ki kd)
+    largest_ki_ms  this bound on Ms, and the largest ki under it
+    least_iae_ms   this bound on Ms, and the least IAE after a load step under it
 
     >>> arm = Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
     >>> d = pid(arm, dt=0.1, wc=1.95, pm_deg=40, ki=0.85)
     >>> round(d.margins.phase_margin_deg, 9), round(d.margins.crossover, 9)
     (40.0, 1.95)
+    >>> d = pid(arm, dt=0.1, wc=1.95, pm_deg=40, largest_ki_ms=1.7)
+    >>> round(d.margins.ms, 6)
+    1.7
     """
-    given = {"wc": wc, "pm_deg": pm_deg, "ki": ki}
+    given = {
+        "wc": wc, "pm_deg": pm_deg, "ki": ki, "ti_td": ti_td, "largest_ki_ms": largest_ki_ms,
+        "least_iae_ms": least_iae_ms, "filter_pole": filter_pole,
+    }  # fmt: skip
     return design(
         plant, "pid", given, dt=dt, compute_delay=compute_delay, requirements=requirements
     )
@@ -143,6 +172,10 @@ def design(
             name=name,
         )  # fmt: skip
     sampled = sample(plant, dt, compute_delay)
+    requirements = _bounded(requirements, parameters)
+
+    def iae(controller: Sampled) -> float:
+        return load_iae(plant, controller, compute_delay)
 
     def checked(found: SolvedLaw, spec: Crossover | None) -> Verified:
         evidence = measure(
@@ -158,7 +191,7 @@ def design(
         return _free_p(sampled, parameters, checked)
     spec = Crossover(wc=parameters["wc"], pm_deg=parameters["pm_deg"])
     try:
-        return checked(solved(law, sampled, spec, parameters), spec)
+        return checked(solved(law, sampled, spec, parameters, iae), spec)
     except Infeasible as refused:
         raise certified(refused, law, sampled, spec, parameters) from None
 
@@ -193,20 +226,35 @@ def _free_p(
     )
 
 
+def _bounded(asked: Requirements, parameters: Mapping[str, float]) -> Requirements:
+    """Return the requirements with the bound on Ms that a search was made under."""
+    bounds = [parameters[k] for k in ("largest_ki_ms", "least_iae_ms") if k in parameters]
+    if not bounds or not isinstance(asked, Requirements):
+        return asked
+    return replace(asked, ms=min(bounds + ([] if asked.ms is None else [asked.ms])))
+
+
 def _checked(law: str, given: Mapping[str, float | None]) -> dict[str, float]:
     """Return the parameters given (None is not given); raise SpecError unless they fit the law."""
     if not isinstance(law, str) or law not in LAWS:
         raise SpecError("law", f"must be one of {', '.join(LAWS)}", law, "choose one of these")
     if not isinstance(given, Mapping):
         raise SpecError("given", "must name the law's parameters", given, '{"wc": 1, "pm_deg": 50}')
-    takes = LAWS[law]
+    takes = LAWS[law] + OPTIONS.get(law, ())
     for name, value in given.items():
         if name not in takes:
             raise SpecError(
                 name, f"is no parameter of {law} ({', '.join(takes)})", value, "leave it out"
             )
     parameters = {k: checks.positive(k, v) for k, v in given.items() if v is not None}
-    missing = [name for name in takes if name not in parameters]
+    spare = [name for name in SPARE if name in parameters]
+    if len(spare) > 1:
+        bound = f"must not be given beside {spare[0]}"
+        raise SpecError(spare[1], bound, parameters[spare[1]], "one closes the PID's freedom")
+    for name in ("largest_ki_ms", "least_iae_ms"):
+        if parameters.get(name, inf) <= 1:
+            raise SpecError(name, "must be above 1", parameters[name], "1.4 to 2 is usual")
+    missing = [k for k in LAWS[law] if k not in parameters and not (k == "ki" and spare)]
     if missing and not (law == "p" and parameters):
         raise SpecError(
             missing[0], f"must be given for {law}", None, f"{law} takes {', '.join(takes)}"

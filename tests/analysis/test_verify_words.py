@@ -25,6 +25,8 @@ def fields(found):
 # y = 1 - 2^-k at the samples: 10 % at 1, 90 % at 4, 2 % at 6.
 REPORT = """\
 half: p with kp = 0.5, ki = 1
+  standard form: kp = 0.5, ti = 0.5
+  series form: k = 0.5, ti = 0.5
   D(z) = 0.5, dt = 1 s
   closed loop stable
   phase margin 75.5225 deg at 0.505361 rad/s, gain margin 12.04 dB at 3.14159 rad/s
@@ -106,6 +108,10 @@ def test_the_dictionary_by_hand():
     assert found == {
         "name": "p", "law": "p", "feasible": True, "reason": None, "gains": {"kp": -2.0},
         "controller": controller, "met": True, "misses": [],
+        "forms": {
+            "parallel": {"kp": -2.0}, "standard": {"kp": -2.0}, "series": {"k": -2.0},
+            "refused": {},
+        },
     }  # fmt: skip
     unstable = measure(INTEGRATOR, backwards).to_dict()
     assert unstable["step"] is None
