@@ -21,7 +21,7 @@ from zoh.lti import whole
 from zoh.lti.whole import Whole
 
 DROP = 10**-0.3  # -3 dB of |T|^2: where the bandwidth ends
-SHORT = 12  # samples of delay that are multiplied in: more of them cost more than a grid does
+SHORT = 6  # samples of delay that are multiplied in: more of them cost more than a grid does
 
 Below = tuple[float, float]  # what |D + N| is measured against: |b D + a N| as (b, a)
 ON_DEN: Below = (1.0, 0.0)
