@@ -23,7 +23,7 @@ from zoh.analysis.proof import Found, Look, Peak, proved
 from zoh.analysis.results import Margins, Proof
 from zoh.analysis.rounding import doubts
 from zoh.analysis.sparse import Sparse
-from zoh.analysis.squares import ON_DEN, ON_NUM, ON_OPPOSITE, Below, Squares
+from zoh.analysis.squares import LONG, ON_DEN, ON_NUM, ON_OPPOSITE, Below, Squares
 from zoh.analysis.stability import decided
 from zoh.errors import warn
 from zoh.lti import poly
@@ -101,9 +101,15 @@ def _looked_at(loop: Loop) -> Margins:
         stable = decided(loop)
         look = Sparse.of(loop, squares)
         found = _measured(loop, squares, look, stable) if look else None
-        if found is None or found.certificate is None or not found.certificate.holds:
+        if found is None or not _holds(found):
+            found = _measured(loop, squares, Close.of(loop, squares), stable)
+        if not _holds(found) and not squares.whole and (squares := Squares.of(loop, LONG)).whole:
             found = _measured(loop, squares, Close.of(loop, squares), stable)
         return found
+
+
+def _holds(m: Margins) -> bool:
+    return m.certificate is not None and m.certificate.holds
 
 
 def _unproved(m: Margins) -> tuple[str, ...]:
