@@ -11,7 +11,7 @@ from zoh.analysis.margins import measure_loop
 from zoh.analysis.results import Margins
 from zoh.analysis.stability import closed_loop_stable
 from zoh.analysis.tabled.margins import Seen
-from zoh.design import first_order
+from zoh.design import first_order, leadlag
 from zoh.design import p as p_law
 from zoh.design import pi as pi_law
 from zoh.design import pid as pid_law
@@ -27,13 +27,17 @@ LAWS: Mapping[str, tuple[str, ...]] = {
     "pd": ("wc", "pm_deg"),
     "pid": ("wc", "pm_deg", "ki"),
     "lag": ("wc", "pm_deg", "dc_gain"),
+    "textbook_lag": ("wc", "dc_gain"),
     "lead": ("wc", "pm_deg", "dc_gain"),
+    "leadlag": ("wc", "pm_deg", "dc_gain"),
 }
 """Every law and the parameters it takes."""
 
 OPTIONS: Mapping[str, tuple[str, ...]] = {
     "pd": ("filter_pole",),
     "pid": ("filter_pole", "ti_td", "largest_ki_ms", "least_iae_ms"),
+    "textbook_lag": ("pm_deg",),
+    "leadlag": ("lag_corner", "lag_ratio"),
 }
 """What a law takes besides; one of the PID's ``SPARE`` stands for its ki."""
 
@@ -61,7 +65,7 @@ def solved(
 
     ``iae`` is what ``least_iae_ms`` makes least; without it a PID under that Ms is any such.
     """
-    found: p_law.P | pi_law.PI | pid_law.PID | first_order.FirstOrder
+    found: p_law.P | pi_law.PI | pid_law.PID | first_order.FirstOrder | leadlag.LeadLag
     if law == "p":
         found = p_law.solve(sampled, spec)
     elif law == "pi":
@@ -72,6 +76,11 @@ def solved(
         found = _pid(sampled, spec, parameters, iae)
     elif law == "lag":
         found = first_order.lag(sampled, spec, parameters["dc_gain"])
+    elif law == "textbook_lag":
+        found = first_order.textbook_lag(sampled, spec.wc, parameters["dc_gain"])
+    elif law == "leadlag":
+        corner, ratio = parameters.get("lag_corner"), parameters.get("lag_ratio")
+        found = leadlag.solve(sampled, spec, parameters["dc_gain"], corner, ratio)
     else:
         found = first_order.lead(sampled, spec, parameters["dc_gain"])
     gains = {k: v for k, v in found.gains.items() if law != "pd" or k != "ki"}
@@ -143,7 +152,7 @@ def advised(
     def works(name: str, at: Crossover) -> bool:
         wanted = {_AS_WELL.get(k, k): v for k, v in parameters.items()}
         try:
-            found = solved(name, sampled, at, {**_free(sampled, at), **wanted})
+            found = solved(name, sampled, at, {**_free(name, sampled, at), **wanted})
         except (Infeasible, SpecError):
             return False
         return holds(found.controller, at)
@@ -159,15 +168,16 @@ def advised(
     )
 
 
-def _free(sampled: Response, spec: Crossover) -> dict[str, float]:
+def _free(law: str, sampled: Response, spec: Crossover) -> dict[str, float]:
     """Return values to try for gains that were not given: modest ones that leave room.
 
     A small integral; a gain at w = 0 from which a lead has to rise, or a lag to fall, to twice
-    or half of it along the way.
+    or half of it along the way; for a lead-lag twice what is needed at the crossover.
     """
     target = Target.of(sampled, spec)
     needed = max(cos(target.theta), 0.1) / target.size
+    modest = needed / 2 if target.theta > 0 else 2 / (needed * target.size**2)
     return {
         "ki": _SMALL_KI * spec.wc / target.size,
-        "dc_gain": needed / 2 if target.theta > 0 else 2 / (needed * target.size**2),
+        "dc_gain": 2 / target.size if law == "leadlag" else modest,
     }

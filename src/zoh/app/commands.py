@@ -88,6 +88,7 @@ def _designed(project: Project, request: Request) -> Entry:
                 project.plant,
                 law,
                 request.parameters,
+                sections=request.sections,
                 dt=project.dt,
                 compute_delay=project.compute_delay,
                 requirements=project.requirements,
