@@ -144,7 +144,7 @@ def test_a_phase_beyond_any_pid_is_refused_with_the_interval(how):
     [
         ({"ki": 1.0, "ti_td": 4.0}, "ti_td must not be given beside ki"),
         ({"largest_ki_ms": 1.5, "least_iae_ms": 1.5}, "least_iae_ms must not be given beside"),
-        ({}, "ki must be given for pid"),
+        ({"filter_pole": 5.0}, "ki must be given for pid beside filter_pole"),
         ({"largest_ki_ms": 1.0}, "largest_ki_ms must be above 1"),
         ({"ki": 1.0, "filter_pole": 0.0}, "filter_pole must be above 0"),
     ],

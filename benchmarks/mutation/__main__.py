@@ -40,6 +40,7 @@ TESTS = {
         "tests/torture/test_torture.py::test_zoh_has_nothing_wrong",
     ],
 }
+TESTS["lti"] = ["tests/lti", "src/zoh/lti", *TESTS["analysis"]]
 HOLD = ["tests/sampling/test_hold.py", "src/zoh/sampling"]
 HOLD += [
     f"tests/sampling/test_{name}.py"

@@ -14,7 +14,7 @@ from math import inf, isfinite, log, pi, radians, remainder, tau
 from typing import Any
 
 from benchmarks.torture.delay import QUIET
-from benchmarks.torture.loops import Spec
+from benchmarks.torture.loops import Spec, exact_loop
 
 Crossing = tuple[float, float]
 FAULTS = ("PM", "GM", "missed", "invented", "off", "Ms", "stable")
@@ -109,6 +109,7 @@ class _Truth:
         ends = spec.get("num", [0.0]), spec.get("den", [1.0])
         loud = len(ends[0]) == len(ends[1]) and abs(ends[0][0]) >= abs(ends[1][0])
         self.loud_for_ever = spec["form"] == "s" and loud
+        self.at_nyquist = _delay_at_nyquist(spec) if spec.get("dt") else inf
         self.sure: dict[str, list[Crossing]] = {}
         self.maybe: dict[str, list[Crossing]] = {}
         self.doubt: dict[str, list[Crossing]] = {}
@@ -159,13 +160,43 @@ class _Truth:
         return found | {pm for _, pm in self.sure["gains"] if any_one}
 
     def delays(self) -> set[float]:
-        """Return the delay margins; a gain that stays above 1 for ever bears no delay at all."""
+        """Return the delay margins; a gain that stays above 1 for ever bears no delay at all.
+
+        One above 1 at Nyquist's frequency bears no whole sample.
+        """
         if self.loud_for_ever:
             return {0.0}
         return {
-            min((radians(pm) % tau / w for w, pm in c if w), default=inf)
+            min([self.at_nyquist, *(radians(pm) % tau / w for w, pm in c if w)])
             for c in self.choices("gains")
         }
+
+
+def _delay_at_nyquist(spec: Spec) -> float:
+    """Return what turns L(-1) onto the negative axis where |L(-1)| >= 1: dt, 0 if it is there."""
+    loop = exact_loop(spec)
+    num, den = list(loop.num), list(loop.den)  # ascending
+    top, bottom = _at_minus_one(num), _at_minus_one(den)
+    while top == bottom == 0:  # a pole or zero at -1 that both have says nothing
+        num, den = _without_minus_one(num), _without_minus_one(den)
+        top, bottom = _at_minus_one(num), _at_minus_one(den)
+    if abs(top) < abs(bottom):
+        return inf
+    return 0.0 if top * bottom < 0 else float(spec["dt"])
+
+
+def _at_minus_one(a: list[int]) -> int:
+    return sum(-c if i % 2 else c for i, c in enumerate(a))
+
+
+def _without_minus_one(a: list[int]) -> list[int]:
+    """Return a/(z + 1), ascending, for a that z + 1 divides."""
+    out = [0] * (len(a) - 1)
+    carry = 0
+    for i in range(len(a) - 1, 0, -1):
+        carry = a[i] - carry
+        out[i - 1] = carry
+    return out
 
 
 def _crossing_faults(true: _Truth, said: Answer, by: Measure) -> set[str]:

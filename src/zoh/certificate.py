@@ -64,7 +64,20 @@ def solved(
     """Return the law of this name solved at the crossover; raise Infeasible where it cannot be.
 
     ``iae`` is what ``least_iae_ms`` makes least; without it a PID under that Ms is any such.
+    Raises SpecError where the gains it would need are beyond a float.
     """
+    try:
+        return _solved(law, sampled, spec, parameters, iae)
+    except (OverflowError, ZeroDivisionError):
+        raise SpecError(
+            "wc", "must be where a float can hold the gains", spec.wc, "use other units"
+        ) from None
+
+
+def _solved(
+    law: str, sampled: Response, spec: Crossover, parameters: Mapping[str, float],
+    iae: Cost | None,
+) -> SolvedLaw:  # fmt: skip
     found: p_law.P | pi_law.PI | pid_law.PID | first_order.FirstOrder | leadlag.LeadLag
     if law == "p":
         found = p_law.solve(sampled, spec)
@@ -153,7 +166,7 @@ def advised(
         wanted = {_AS_WELL.get(k, k): v for k, v in parameters.items()}
         try:
             found = solved(name, sampled, at, {**_free(name, sampled, at), **wanted})
-        except (Infeasible, SpecError):
+        except (Infeasible, SpecError, OverflowError):  # the last one in what is tried
             return False
         return holds(found.controller, at)
 

@@ -3,9 +3,10 @@
 Each function returns the value in the form the library works with, or raises ``SpecError``.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Set
 from math import isfinite
 from numbers import Real
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -57,15 +58,32 @@ def coefficients(name: str, value: object) -> tuple[float, ...]:
     (1.0, 2.0)
     """
     way_out = "give the coefficients as a list of real numbers in descending powers"
-    if isinstance(value, str | bytes | dict) or not isinstance(value, Iterable) or _is_0d(value):
-        raise SpecError(name, "must be a list of numbers", value, way_out)
-    items = list(value)
+    items = sequence(name, value, way_out)
     if not items:
         raise SpecError(name, "must have at least one coefficient", value, way_out)
     result = [number(f"{name}[{i}]", item, way_out) for i, item in enumerate(items)]
     while len(result) > 1 and result[0] == 0:
         del result[0]
     return tuple(result)
+
+
+def sequence(name: str, value: object, way_out: str) -> list[Any]:
+    """Return the entries of a list in their order; a text, a set or a masked array is none.
+
+    >>> sequence("num", (1, 2), "give a list")
+    [1, 2]
+    """
+    without_order = isinstance(value, str | bytes | Mapping | Set | np.ma.MaskedArray)
+    if without_order or not isinstance(value, Iterable) or _is_0d(value):
+        raise SpecError(name, "must be a list of numbers", value, way_out)
+    return list(value)
+
+
+def text(name: str, value: object) -> str:
+    """Return ``value`` as it is; raise SpecError unless it is a text."""
+    if not isinstance(value, str):
+        raise SpecError(name, "must be a text", value, "put it in quotes")
+    return value
 
 
 def whole(name: str, value: object, least: int, way_out: str) -> int:
@@ -83,14 +101,14 @@ def whole(name: str, value: object, least: int, way_out: str) -> int:
 def frequencies(name: str, value: object) -> npt.NDArray[np.float64]:
     """Return a finite frequency, or an array of them, as a float64 array."""
     way_out = "give rad/s, a number or an array of numbers"
-    return _numbers(name, value, "must be a frequency", way_out)
+    return numbers(name, value, "must be a frequency", way_out)
 
 
-def _numbers(
+def numbers(
     name: str, value: object, bound: str = "must be numbers", way_out: str = "one for each row"
 ) -> npt.NDArray[np.float64]:
     """Return a finite number, or an array of them, as a float64 array."""
-    if isinstance(value, str | bytes) or value is None:
+    if isinstance(value, str | bytes | np.ma.MaskedArray) or value is None:
         raise SpecError(name, bound, value, way_out)
     try:
         array = np.asarray(value)
@@ -98,7 +116,7 @@ def _numbers(
             raise TypeError
         result = array.astype(float)
     except (TypeError, ValueError):
-        raise SpecError(name, "must be real", value, way_out) from None
+        raise SpecError(name, bound, value, way_out) from None
     if not np.isfinite(result).all():
         raise SpecError(name, "must be finite", value, way_out)
     return result
@@ -113,7 +131,7 @@ def column(
     >>> column("magnitude", [1, 2], 2, above=0.0)
     array([1., 2.])
     """
-    result = np.array(np.atleast_1d(_numbers(name, value)))
+    result = np.array(np.atleast_1d(numbers(name, value)))
     if result.ndim != 1 or len(result) != (len(result) if length is None else length):
         bound = "must be one column" if length is None else f"must be {length} numbers, one per w"
         raise SpecError(name, bound, result.shape, "complete the rows")

@@ -4,6 +4,8 @@ Every error that zoh raises on purpose is a ``ZohError`` (a ``ValueError``) whos
 line that names the argument, the bound, the value and a way out.
 """
 
+import sys
+import warnings
 from typing import Any
 
 
@@ -71,6 +73,14 @@ class Infeasible(ZohError):
 
 class AccuracyWarning(UserWarning):
     """A figure is not what it seems: rounding of z-coefficients has lost it, or no proof holds."""
+
+
+def warn(sentence: str) -> None:
+    """Warn of lost accuracy at the line outside this package that asked for the figure."""
+    depth, frame = 1, sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").split(".")[0] == "zoh":
+        depth, frame = depth + 1, frame.f_back
+    warnings.warn(sentence, AccuracyWarning, stacklevel=depth + 1)
 
 
 class NotMet(ZohError):

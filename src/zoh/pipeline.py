@@ -23,6 +23,8 @@ from zoh.certificate import (
     not_as_asked,
     solved,
 )
+from zoh.choice.choose import AUTO, OF_AUTO, choose
+from zoh.choice.judge import Judge
 from zoh.design import p as p_law
 from zoh.design.sections import SecondOrder, in_series
 from zoh.design.target import Target
@@ -237,7 +239,10 @@ def design(
     """
     parameters = _checked(law, given)
     fixed = in_series(sections, dt)
+    missing = left_open(law, parameters)
     if isinstance(plant, FrequencyResponse):
+        if missing:
+            raise _must_be_given(law, missing[0])
         return design_on_table(
             plant, law, parameters, dt=dt, compute_delay=compute_delay, fixed=fixed,
             requirements=requirements, name=name,
@@ -262,6 +267,13 @@ def design(
 
     if law == "p" and len(parameters) == 1:
         return _free_p(sampled, parameters, checked)
+    if missing:
+        _check_choosable(law, missing[0], parameters, sections)
+        judge = Judge(
+            plant=plant, sampled=sampled, compute_delay=compute_delay,
+            requirements=requirements, reference=reference,
+        )  # fmt: skip
+        return _chosen(judge, law, parameters, name)
     spec = Crossover(wc=parameters["wc"], pm_deg=parameters.get("pm_deg", _ANY_MARGIN))
     asked = spec if "pm_deg" in parameters else None
     try:
@@ -270,6 +282,21 @@ def design(
         if asked is None:
             raise
         raise certified(refused, law, sampled, spec, parameters) from None
+
+
+def _chosen(judge: Judge, law: str, parameters: Mapping[str, float], name: str | None) -> Verified:
+    """Return the design whose open parameters were chosen, measured anew."""
+    spec = Crossover(
+        wc=parameters.get("wc", 1e-9 / judge.sampled.dt), pm_deg=parameters.get("pm_deg", 45.0)
+    )
+    spec.below_nyquist(judge.sampled.dt)
+    chosen = choose(judge, law, parameters)
+    found = design(
+        judge.plant, chosen.law, chosen.parameters, dt=judge.sampled.dt,
+        compute_delay=judge.compute_delay, requirements=chosen.requirements,
+        reference=judge.reference, name=name,
+    )  # fmt: skip
+    return replace(found, choice=chosen.choice)
 
 
 def _free_p(
@@ -312,11 +339,12 @@ def _bounded(asked: Requirements, parameters: Mapping[str, float]) -> Requiremen
 
 def _checked(law: str, given: Mapping[str, float | None]) -> dict[str, float]:
     """Return the parameters given (None is not given); raise SpecError unless they fit the law."""
-    if not isinstance(law, str) or law not in LAWS:
-        raise SpecError("law", f"must be one of {', '.join(LAWS)}", law, "choose one of these")
+    if not isinstance(law, str) or law not in (*LAWS, AUTO):
+        names = ", ".join((*LAWS, AUTO))
+        raise SpecError("law", f"must be one of {names}", law, "choose one of these")
     if not isinstance(given, Mapping):
         raise SpecError("given", "must name the law's parameters", given, '{"wc": 1, "pm_deg": 50}')
-    takes = LAWS[law] + OPTIONS.get(law, ())
+    takes = LAWS.get(law, OF_AUTO) + OPTIONS.get(law, ())
     for name, value in given.items():
         if name not in takes:
             raise SpecError(
@@ -331,9 +359,30 @@ def _checked(law: str, given: Mapping[str, float | None]) -> dict[str, float]:
     for name, way_out in usual.items():
         if parameters.get(name, inf) <= 1:
             raise SpecError(name, "must be above 1", parameters[name], f"{way_out} is usual")
-    missing = [k for k in LAWS[law] if k not in parameters and not (k == "ki" and spare)]
-    if missing and not (law == "p" and parameters):
-        raise SpecError(
-            missing[0], f"must be given for {law}", None, f"{law} takes {', '.join(takes)}"
-        )
     return parameters
+
+
+def left_open(law: str, parameters: Mapping[str, float]) -> list[str]:
+    """Return the parameters that were left open; a P has one of two."""
+    if law == "p" and parameters:
+        return []
+    closed = any(name in parameters for name in SPARE)
+    takes = ("law",) if law == AUTO else LAWS[law]
+    return [name for name in takes if name not in parameters and not (name == "ki" and closed)]
+
+
+def _check_choosable(
+    law: str, name: str, parameters: Mapping[str, float], sections: Sequence[SecondOrder]
+) -> None:
+    """Refuse to choose where the search knows nothing of what was given."""
+    beside = next((k for k in OPTIONS.get(law, ()) if k in parameters), None)
+    beside = "sections" if sections and beside is None else beside
+    if beside or law in ("leadlag", "textbook_lag"):
+        takes = ", ".join(LAWS.get(law, OF_AUTO))
+        bound = f"must be given for {law}" + (f" beside {beside}" if beside else "")
+        raise SpecError(name, bound, None, f"{law} takes {takes}")
+
+
+def _must_be_given(law: str, name: str) -> SpecError:
+    takes = ", ".join(LAWS.get(law, ())) or "a plant's model"
+    return SpecError(name, f"must be given for {law} on a table", None, f"{law} takes {takes}")

@@ -38,6 +38,9 @@ class Crossover:
         return self
 
 
+_OF_ANY_SIGN = ("effort_min", "effort_max")
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Requirements:
     """Bounds that a measured loop must meet; None asks nothing.
@@ -52,6 +55,9 @@ class Requirements:
     settling_time   s, largest 2 % settling time allowed, at the samples
     steady_state_error  largest size of the error at rest allowed, in the reference's units
     peak_effort     largest |u| allowed, in input units
+    bandwidth       rad/s, smallest bandwidth allowed
+    effort_min, effort_max  the least and the largest u allowed, in input units
+    noise_gain      largest standard deviation of u per unit of white measurement noise allowed
     """
 
     pm_deg: float | None = None
@@ -64,12 +70,24 @@ class Requirements:
     settling_time: float | None = None
     steady_state_error: float | None = None
     peak_effort: float | None = None
+    bandwidth: float | None = None
+    effort_min: float | None = None
+    effort_max: float | None = None
+    noise_gain: float | None = None
 
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
-            if value is not None:
+            if value is not None and field.name not in _OF_ANY_SIGN:
                 checks.not_negative(field.name, value)
+        low, high = (
+            None if value is None else checks.number(name, value)
+            for name, value in (("effort_min", self.effort_min), ("effort_max", self.effort_max))
+        )
+        if low is not None and high is not None and not low < high:
+            raise SpecError(
+                "effort_max", f"must be above effort_min = {low:g}", high, "swap the two"
+            )
         if self.pm_deg is not None and not self.pm_deg < 180:
             raise SpecError("pm_deg", "must be inside [0, 180)", self.pm_deg, "30 to 70 is usual")
         if self.ms is not None and self.ms < 1:

@@ -44,6 +44,7 @@ STEP = replace(
     steady_state_error=-0.5,
     between_samples=BETWEEN,
     peak_effort=80.0,
+    effort_range=(-20.0, 80.0),
 )
 
 CASES = [
@@ -52,25 +53,30 @@ CASES = [
     ("delay_margin", 0.25, 0.3, "delay_margin must be at least 0.3, measured 0.25"),
     ("ms", 2.0, 1.9, "ms must be at most 1.9, measured 2"),
     ("mt", 1.5, 1.25, "mt must be at most 1.25, measured 1.5"),
+    ("bandwidth", 1.8, 1.9, "bandwidth must be at least 1.9, measured 1.8"),
     ("overshoot_pct", 30.0, 25.0, "overshoot_pct must be at most 25, measured 30"),
     ("rise_time", 1.0, 0.95, "rise_time must be at most 0.95, measured 1"),
     ("settling_time", 5.0, 4.5, "settling_time must be at most 4.5, measured 5"),
     ("steady_state_error", 0.5, 0.1, "steady_state_error must be at most 0.1, measured 0.5"),
     ("peak_effort", 80.0, 79.9999, "peak_effort must be at most 79.9999, measured 80"),
+    ("effort_min", -20.0, -19.0, "effort_min must be at least -19, measured -20"),
+    ("effort_max", 80.0, 75.0, "effort_max must be at most 75, measured 80"),
+    ("noise_gain", 3.0, 2.5, "noise_gain must be at most 2.5, measured 3"),
 ]
+LEAST = ("pm_deg", "gain_margin_db", "delay_margin", "bandwidth", "effort_min")
 
 
 @pytest.mark.parametrize(("name", "met", "asked", "sentence"), CASES)
 def test_a_miss_is_said_in_one_sentence_and_an_equal_is_no_miss(name, met, asked, sentence):
-    assert missed(Requirements(**{name: met}), MARGINS, STEP) == []
-    assert missed(Requirements(**{name: asked}), MARGINS, STEP) == [sentence]
+    assert missed(Requirements(**{name: met}), MARGINS, STEP, 3.0) == []
+    assert missed(Requirements(**{name: asked}), MARGINS, STEP, 3.0) == [sentence]
 
 
 @pytest.mark.parametrize(("name", "met"), [case[:2] for case in CASES])
 def test_equal_is_to_nine_digits(name, met):
-    tighter = 1 if name in ("pm_deg", "gain_margin_db", "delay_margin") else -1
-    assert missed(Requirements(**{name: met * (1 + tighter * 0.9e-9)}), MARGINS, STEP) == []
-    assert missed(Requirements(**{name: met * (1 + tighter * 1.1e-9)}), MARGINS, STEP) != []
+    tighter = abs(met) if name in LEAST else -abs(met)
+    assert missed(Requirements(**{name: met + tighter * 0.9e-9}), MARGINS, STEP, 3.0) == []
+    assert missed(Requirements(**{name: met + tighter * 1.1e-9}), MARGINS, STEP, 3.0) != []
 
 
 def test_the_edge_of_the_slack_itself_is_met():
@@ -82,7 +88,7 @@ def test_the_edge_of_the_slack_itself_is_met():
 
 def test_all_misses_are_said_in_the_order_of_the_requirements():
     asked = Requirements(**{name: value for name, _, value, _ in CASES})
-    assert missed(asked, MARGINS, STEP) == [sentence for *_, sentence in CASES]
+    assert missed(asked, MARGINS, STEP, 3.0) == [sentence for *_, sentence in CASES]
     assert missed(Requirements(), MARGINS, STEP) == []
 
 

@@ -88,11 +88,15 @@ def test_the_margins_are_the_nearest_crossings(measured):
 
 @pytest.mark.parametrize("case", CASES, ids=lambda c: f"{c['form']}: {c['name']}")
 def test_the_delay_margin_is_the_least_over_the_crossings(case):
-    got = measure_loop(Loop.of(loop_of(case))).delay_margin
+    loop = loop_of(case)
+    got = measure_loop(Loop.of(loop)).delay_margin
     truth = number(case["truth"]["delay_margin"], inf)
     num, den = case.get("num", [0]), case.get("den", [1])
     if case["form"] == "s" and len(num) == len(den) and abs(num[0]) >= abs(den[0]):
         assert got == 0.0  # |L| ends above 1: there any delay is too much
+    elif isinstance(loop, Sampled) and abs(end := loop.at(pi / loop.dt)) > 1:
+        negative = loop.den_w[0] != 0 and end.real < 0  # no pole at z = -1
+        assert got == (0.0 if negative else pytest.approx(min(loop.dt, truth), rel=REL))
     else:
         assert got == pytest.approx(truth, rel=REL)
 
@@ -272,11 +276,53 @@ def test_the_loop_is_on_the_circle_and_on_the_ray_where_it_says(loop):
 def test_extra_delay_up_to_the_delay_margin_keeps_it_stable(loop):
     found = margins(loop)
     assume(found.stable)
-    assume(abs(loop.at(pi / loop.dt)) < 0.999)  # otherwise any delay however short undoes it
     steep(found, loop)
     samples = int(min(found.delay_margin / loop.dt * (1 - 1e-9), 25))
     late = Sampled(num=loop.num, den=[*loop.den, *[0.0] * samples], dt=loop.dt)
     assert measure_loop(Loop.of(late)).stable
+
+
+def test_a_gain_above_one_at_nyquist_bears_no_sample():
+    """(-1)^n p(-1) > 0 for a stable monic p of degree n; one more sample turns that sign."""
+    rng, seen = np.random.default_rng(3), 0
+    for _ in range(300):
+        n = rng.integers(1, 5)
+        den = np.poly(rng.uniform(-1.3, 1.3, n))
+        num = np.poly(rng.uniform(-0.95, 0.95, n)) - den  # the closed loop is stable
+        loop = Sampled(num=num[1:].tolist(), den=den.tolist(), dt=0.5)
+        if abs(np.polyval(num, -1)) > 1.001 * abs(np.polyval(den, -1)):
+            seen += 1
+            assert margins(loop).stable
+            assert margins(loop).delay_margin <= 0.5
+            late = np.polyadd(np.append(den, 0.0), num)
+            assert np.abs(np.roots(late)).max() > 1
+    assert seen > 50
+
+
+@pytest.mark.parametrize("gain", [1e-140, 1e-162, 1e-170, 1e-300])
+def test_a_loop_so_quiet_that_its_squares_are_beyond_a_float(gain):
+    """gain/(s(s + 1)) crosses over at gain, where it is turned by 90 deg and next to no more."""
+    found = margins(Plant(num=[gain], den=[1, 1, 0]))
+    assert (found.crossover, found.phase_margin_deg) == (gain, pytest.approx(90, abs=1e-12))
+    assert found.delay_margin == pytest.approx(pi / 2 / gain, rel=1e-12)
+    assert (found.stable, found.gain_margin) == (True, inf)
+
+
+@pytest.mark.parametrize("gain", [1e160, 1e300])
+def test_a_loop_so_loud_that_its_squares_are_beyond_a_float(gain):
+    """It crosses over at the root of its gain, with atan(1/w) to spare."""
+    found = margins(Plant(num=[gain], den=[1, 1, 0]))
+    assert found.crossover == pytest.approx(sqrt(gain), rel=1e-12)
+    assert found.phase_margin_deg == pytest.approx(degrees(1 / sqrt(gain)), rel=1e-9)
+
+
+def test_delays_that_no_crossing_tells():
+    # 1.2 z - 1 over z + 0.1 is 2.4 at z = -1; late by a sample it is z^2 + 1.3 z - 1
+    assert margins(Sampled(num=[1.2, -1], den=[1, 0.1], dt=0.5)).delay_margin == 0.5
+    assert margins(Sampled(num=[2], den=[1], dt=0.5)).delay_margin == 0.5
+    assert margins(Sampled(num=[0.9], den=[1], dt=0.5)).delay_margin == inf
+    at_rest = margins(Plant(num=[-1], den=[1, 1]))  # 1 + L is s/(s + 1)
+    assert (at_rest.stable, at_rest.phase_margin_deg, at_rest.delay_margin) == (False, 0.0, 0.0)
 
 
 @given(KINDS)

@@ -11,12 +11,14 @@ from zoh.analysis.close import Close
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import margins, measure_loop, peak
 from zoh.analysis.proof import Found, counted, proved
+from zoh.analysis.results import Proof
 from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import ON_DEN, ON_NUM, ON_OPPOSITE, Squares
 from zoh.analysis.stability import closed_loop_stable
 from zoh.lti.systems import Plant, Sampled
 from zoh.sampling.hold import sample
 
+ROUTH = Proof(holds=True, method="Routh", detail="in whole numbers")
 ARM = Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
 LOOPS = {
     "sampled": Sampled(num=[3.0], den=[1.0], dt=0.1) * sample(ARM, 0.1),
@@ -52,11 +54,11 @@ def test_what_is_complete_is_proved(loop):
 def test_a_crossing_withheld_or_invented_is_noticed(loop, kind):
     name = {"unities": "gain_crossings", "turns": "phase_crossings", "drops": "bandwidth"}[kind]
     loop, squares, look, found = looked(loop)
-    assert getattr(proved(loop, squares, look, found, stable=True), name).holds
+    assert getattr(proved(loop, squares, look, found, stable=ROUTH), name).holds
     crossings = getattr(found, kind)
     for wrong in ([1e-3, *crossings], crossings[1:]):
         if wrong != crossings:
-            told = proved(loop, squares, look, found._replace(**{kind: wrong}), stable=True)
+            told = proved(loop, squares, look, found._replace(**{kind: wrong}), stable=ROUTH)
             assert not getattr(told, name).holds
             assert told.open() == [name]
 
@@ -70,7 +72,7 @@ def test_a_peak_said_lower_than_it_is_is_noticed(loop, which):
     for factor, holds in ((1.0, True), (1 - 1e-4, True), (1 + 1e-5, False), (1.5, False)):
         peaks = list(found.peaks)
         peaks[which] = replace(true, least=true.least * factor)
-        told = getattr(proved(loop, squares, look, found._replace(peaks=peaks), stable=True), name)
+        told = getattr(proved(loop, squares, look, found._replace(peaks=peaks), stable=ROUTH), name)
         if factor <= 1 or 0 < true.v < inf:  # at an end the least is a limit, not always there
             assert told.holds is holds
 

@@ -4,6 +4,7 @@ import json
 from math import inf, sqrt
 from pathlib import Path
 
+import mpmath as mp
 import numpy as np
 import pytest
 
@@ -184,3 +185,15 @@ def test_a_deadbeat_is_still_at_the_samples_and_rings_between_them():
     found = zoh.verify(ARM, deadbeat, requirements=zoh.Requirements(), reference=90.0).step
     assert found.overshoot_pct == 0.0
     assert found.between_samples.overshoot_pct > 48
+
+
+@pytest.mark.parametrize("gain", [0.5, 1e-3, 1e-8, 1e-9, 1e-12, 1e-100])
+def test_the_noise_of_a_weak_loop_keeps_its_digits(gain):
+    """x+ = a x - b (n + x), a = exp(-dt), b = K (1 - a): its variance is b^2/(1 - (a - b)^2)."""
+    plant, controller = zoh.Plant(num=[1], den=[1, 1]), zoh.Sampled(num=[gain], den=[1], dt=0.1)
+    with mp.workdps(50):
+        a = mp.exp(-mp.mpf(0.1))
+        b = gain * (1 - a)
+        y = mp.sqrt(b * b / (1 - (a - b) ** 2))
+        u = gain * mp.sqrt(1 + b * b / (1 - (a - b) ** 2))
+    assert zoh.noise_gains(plant, controller) == pytest.approx((float(y), float(u)), rel=1e-13)

@@ -94,3 +94,13 @@ def test_a_zero_on_the_circle_is_no_division_by_zero():
     assert found.warnings == ()
     assert np.isfinite(found.ms)
     assert found.ms_frequency <= pi / 0.1
+
+
+def test_a_pole_at_an_end_that_rounding_puts_on_either_side():
+    """1.9/(z - 0.9) has its pole at -1, or a bit inside, and 1.89 none near."""
+    for num, said in (([1.9], True), ([1.89], False)):
+        loop = Sampled(num=num, den=[1, -0.9], dt=1.0)
+        told = " ".join(measure_loop(Loop.of(loop)).warnings)
+        assert ("stability may be lost or won" in told) == said
+    exact = Sampled(num=[0.5], den=[1, -0.5], dt=1.0)  # nothing is rounded
+    assert measure_loop(Loop.of(exact)).warnings == ()

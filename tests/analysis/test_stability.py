@@ -7,8 +7,17 @@ import pytest
 
 from zoh.analysis import stability
 from zoh.analysis.loop import Loop
-from zoh.analysis.stability import _none_encircled, _turns, _with_delay, closed_loop_stable
+from zoh.analysis.results import Proof
+from zoh.analysis.stability import (
+    _none_encircled,
+    _turns,
+    _with_delay,
+    closed_loop_stable,
+    decided,
+)
 from zoh.lti.systems import Plant, Sampled
+
+ROUTH = Proof(holds=True, method="Routh", detail="in whole numbers")
 
 
 def z_late(num, den, m, dt=0.5):
@@ -30,14 +39,23 @@ def test_an_integrator_some_samples_late(m, dt):
     assert not closed_loop_stable(integrator(-0.001, m, dt))
 
 
-def test_a_delay_is_multiplied_in_up_to_sixty_samples(monkeypatch):
+def test_who_decides_by_the_samples_of_delay(monkeypatch):
     asked = []
-    monkeypatch.setattr(stability, "_none_encircled", lambda loop: asked.append(loop) or True)
-    assert not closed_loop_stable(integrator(5.0, 60))
-    assert closed_loop_stable(Loop.of(Plant(num=[1.0], den=[1.0, 1.0])))
+
+    def winding(answer):
+        monkeypatch.setattr(stability, "_none_encircled", lambda loop: asked.append(loop) or answer)
+
+    winding(True)
+    assert decided(integrator(5.0, 10)) == (False, ROUTH)
+    assert decided(Loop.of(Plant(num=[1.0], den=[1.0, 1.0]))) == (True, ROUTH)
     assert asked == []
-    assert closed_loop_stable(integrator(5.0, 61))
-    assert len(asked) == 1
+    found, why = decided(integrator(5.0, 11))  # which believes the answer put into its mouth
+    assert (found, why.method, why.holds, len(asked)) == (True, "discs", True, 1)
+    winding(None)
+    assert decided(integrator(5.0, 60)) == (False, ROUTH)
+    found, why = decided(integrator(5.0, 61))
+    assert (found, why.method, why.holds) == (None, "discs", False)
+    assert not closed_loop_stable(integrator(5.0, 61))
 
 
 def test_the_polynomial_of_some_samples_by_hand():
@@ -60,6 +78,15 @@ def late_lag(turn):
         w = (low + high) / 2
         low, high = (w, high) if w + atan(w) < turn else (low, w)
     return sqrt(1 + w * w)
+
+
+@pytest.mark.parametrize("gain", [1e-5, 1e-12, 1e-30, 1e-100])
+def test_a_quiet_integrator_some_time_late(gain):
+    """Its slow pole is at -gain, and a hair right of 0 where the gain has the other sign."""
+    assert closed_loop_stable(Loop.of(Plant(num=[gain], den=[1.0, 1.0, 0.0], dead_time=0.1)))
+    assert not closed_loop_stable(Loop.of(Plant(num=[-gain], den=[1.0, 1.0, 0.0], dead_time=0.1)))
+    assert closed_loop_stable(integrator(gain, 100))
+    assert not closed_loop_stable(integrator(-gain, 100))
 
 
 @pytest.mark.parametrize("scale", [1e-4, 1.0, 1e5])

@@ -7,6 +7,7 @@ from dataclasses import fields
 import pytest
 
 from zoh.analysis.margins import margins
+from zoh.analysis.responses import noise_gains
 from zoh.analysis.verify import Measured, Verified, measure, verify
 from zoh.errors import NotMet, SpecError
 from zoh.lti.systems import Plant, Sampled
@@ -62,6 +63,10 @@ BOUNDS = [
     ("rise_time", lambda m: m.step.rise_time, -1),
     ("settling_time", lambda m: m.step.settling_time, -1),
     ("peak_effort", lambda m: m.step.peak_effort, -1),
+    ("bandwidth", lambda m: m.margins.bandwidth, +1),
+    ("effort_min", lambda m: m.step.effort_range[0], +1),
+    ("effort_max", lambda m: m.step.effort_range[1], -1),
+    ("noise_gain", lambda m: noise_gains(m.plant, m.controller)[1], -1),
 ]
 
 
@@ -73,8 +78,8 @@ def test_the_table_names_every_requirement_but_the_error():
 def test_each_requirement_is_asked(name, value, side):
     controller = Sampled(num=[12.0], den=[1], dt=0.1)  # overshoots
     here = value(measure(ARM, controller))
-    missed = Requirements(**{name: here * (1 + side * 1e-6)})
-    met = Requirements(**{name: here * (1 - side * 1e-6)})
+    missed = Requirements(**{name: here + side * abs(here) * 1e-6})
+    met = Requirements(**{name: here - side * abs(here) * 1e-6})
     assert verify(ARM, controller, requirements=met).met
     with pytest.raises(NotMet) as err:
         verify(ARM, controller, requirements=missed)

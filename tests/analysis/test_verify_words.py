@@ -107,7 +107,8 @@ def test_the_dictionary_by_hand():
     controller = {"num": [-2.0], "den": [1.0], "dt": 1.0, "num_w": [-2.0], "den_w": [1.0]}
     assert found == {
         "name": "p", "law": "p", "feasible": True, "reason": None, "gains": {"kp": -2.0},
-        "controller": controller, "met": True, "misses": [],
+        "controller": controller, "met": True, "misses": [], "noise_gain": None,
+        "choice": None,
         "forms": {
             "parallel": {"kp": -2.0}, "standard": {"kp": -2.0}, "series": {"k": -2.0},
             "refused": {},

@@ -297,8 +297,7 @@ def test_refuses_a_sample_time_that_is_none(method):
 def test_refuses_an_unknown_method_with_the_list(method):
     with pytest.raises(SpecError, match="method must be a known method") as error:
         discretise(Plant(num=[1], den=[1, 1]), 0.1, method)
-    for name, sentence in METHODS.items():
-        assert f"{name!r} ({sentence})" in str(error.value)
+    assert error.value.way_out == f"one of {', '.join(METHODS)}"
 
 
 def test_refuses_what_is_no_plant():

@@ -1,50 +1,99 @@
 """What was asked against what was measured."""
 
+from dataclasses import dataclass
+
 from zoh.analysis.results import Margins, StepInfo
 from zoh.spec import Requirements
 
 _EQUAL = 1e-9  # 6 x 0.1 s is 0.6000000000000001: what equals a bound but for rounding meets it
 
 
-def missed(asked: Requirements, margins: Margins, step: StepInfo | None) -> list[str]:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Compared:
+    """One requirement beside what was measured; value None is what does not exist.
+
+    at_least  whether the bound is the smallest value allowed, not the largest
+    """
+
+    name: str
+    bound: float
+    value: float | None
+    at_least: bool
+
+    @property
+    def slack(self) -> float:
+        """Return how far the value is inside its bound, relative; below 0 where it is outside.
+
+        >>> Compared(name="ms", bound=2.0, value=1.5, at_least=False).slack
+        0.25
+        """
+        if self.value is None:
+            return -1.0
+        room = self.value - self.bound if self.at_least else self.bound - self.value
+        return room / abs(self.bound) if self.bound else room
+
+    @property
+    def met(self) -> bool:
+        """Return whether the bound is kept, or missed by rounding alone."""
+        if self.value is None:
+            return False
+        rounding = _EQUAL * abs(self.bound)
+        if self.at_least:
+            return self.value >= self.bound - rounding
+        return self.value <= self.bound + rounding
+
+    @property
+    def sentence(self) -> str:
+        """Return the requirement and the value in words."""
+        word = "at least" if self.at_least else "at most"
+        shown = "none" if self.value is None else f"{self.value:.6g}"
+        return f"{self.name} must be {word} {self.bound:g}, measured {shown}"
+
+
+def missed(
+    asked: Requirements, margins: Margins, step: StepInfo | None, noise_gain: float | None = None
+) -> list[str]:
     """Return a sentence for each requirement missed, instability first."""
     if not margins.stable:
         return ["the closed loop is unstable"]
-    found = []
-    for name, bound, value, at_least in _compared(asked, margins, step):
-        if bound is None:
-            continue
-        slack = _EQUAL * abs(bound)
-        good = value is not None and (
-            value >= bound - slack if at_least else value <= bound + slack
-        )
-        if not good:
-            word = "at least" if at_least else "at most"
-            shown = "none" if value is None else f"{value:.6g}"
-            found.append(f"{name} must be {word} {bound:g}, measured {shown}")
-    return found
+    found = of_margins(asked, margins)
+    if step is not None:
+        found += of_time(asked, step, noise_gain)
+    return [row.sentence for row in found if not row.met]
 
 
-def _compared(
-    asked: Requirements, margins: Margins, step: StepInfo | None
-) -> list[tuple[str, float | None, float | None, bool]]:
-    """Return (name, bound, measured, whether the bound is a least) for every requirement."""
-    gain_db = abs(margins.gain_margin_db)
-    rows: list[tuple[str, float | None, float | None, bool]] = [
+def of_margins(asked: Requirements, margins: Margins) -> list[Compared]:
+    """Return the requirements on the open loop that were asked, beside what was measured."""
+    return _asked(
         ("pm_deg", asked.pm_deg, margins.phase_margin_deg, True),
-        ("gain_margin_db", asked.gain_margin_db, gain_db, True),
+        ("gain_margin_db", asked.gain_margin_db, abs(margins.gain_margin_db), True),
         ("delay_margin", asked.delay_margin, margins.delay_margin, True),
         ("ms", asked.ms, margins.ms, False),
         ("mt", asked.mt, margins.mt, False),
+        ("bandwidth", asked.bandwidth, margins.bandwidth, True),
+    )
+
+
+def of_time(asked: Requirements, step: StepInfo, noise_gain: float | None) -> list[Compared]:
+    """Return the requirements on the responses that were asked, beside what was measured."""
+    between = step.between_samples or step
+    error = None if step.steady_state_error is None else abs(step.steady_state_error)
+    least, most = step.effort_range or (None, None)
+    return _asked(
+        ("overshoot_pct", asked.overshoot_pct, between.overshoot_pct, False),
+        ("rise_time", asked.rise_time, step.rise_time, False),
+        ("settling_time", asked.settling_time, step.settling_time, False),
+        ("steady_state_error", asked.steady_state_error, error, False),
+        ("peak_effort", asked.peak_effort, step.peak_effort, False),
+        ("effort_min", asked.effort_min, least, True),
+        ("effort_max", asked.effort_max, most, False),
+        ("noise_gain", asked.noise_gain, noise_gain, False),
+    )
+
+
+def _asked(*rows: tuple[str, float | None, float | None, bool]) -> list[Compared]:
+    return [
+        Compared(name=name, bound=bound, value=value, at_least=at_least)
+        for name, bound, value, at_least in rows
+        if bound is not None
     ]
-    if step is not None:
-        between = step.between_samples or step
-        error = None if step.steady_state_error is None else abs(step.steady_state_error)
-        rows += [
-            ("overshoot_pct", asked.overshoot_pct, between.overshoot_pct, False),
-            ("rise_time", asked.rise_time, step.rise_time, False),
-            ("settling_time", asked.settling_time, step.settling_time, False),
-            ("steady_state_error", asked.steady_state_error, error, False),
-            ("peak_effort", asked.peak_effort, step.peak_effort, False),
-        ]
-    return rows

@@ -13,6 +13,7 @@ from typing import Literal
 
 import numpy as np
 
+from zoh import checks
 from zoh.analysis.loop import Array
 from zoh.analysis.motion import Motion, Stretch
 from zoh.analysis.realised import realised
@@ -41,8 +42,10 @@ def closed_loop(
     Raises SpecError where the loop has no solution (an algebraic loop of gain -1), or carries
     more samples of delay than can be followed.
     """
-    if by not in EXCITATIONS:
+    if not isinstance(by, str) or by not in EXCITATIONS:
         raise SpecError("by", f"must be one of {', '.join(EXCITATIONS)}", by, "choose one of these")
+    if not isinstance(controller, Sampled):
+        raise SpecError("controller", "must be a zoh.Sampled", controller, "give num, den and dt")
     dt = controller.dt
     m, lead = followable(plant, dt, compute_delay, controller.delay)
     held, feedback = Held.of(plant, dt), realised(controller)
@@ -153,7 +156,8 @@ def followable(plant: Plant, dt: float, compute_delay: float, more: int = 0) -> 
     """
     if not isinstance(plant, Plant):
         raise SpecError("plant", "must be a zoh.Plant", plant, "give num and den, or a formula")
-    m, lead = whole_samples(plant.dead_time, compute_delay, dt)
+    delay = checks.not_negative("compute_delay", compute_delay, "give seconds, 0 or more")
+    m, lead = whole_samples(plant.dead_time, delay, dt)
     if m + more > MAX_DELAY:
         raise SpecError(
             "dead_time + compute_delay",

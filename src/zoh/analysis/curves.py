@@ -14,6 +14,7 @@ from zoh.errors import SpecError
 from zoh.lti.systems import Plant, Sampled
 
 MOST_DRAWN = 1_000_000  # samples of a curve
+MOST_POINTS = 50_000_000  # of a curve between its samples
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,16 +51,20 @@ def trace(
 
 def trace_of(motion: Motion, t_end: float, per_sample: int = 20, reference: float = 1.0) -> Trace:
     """Return a motion's output and effort as curves, times ``reference``."""
-    checks.positive("t_end", t_end, "give the last time in seconds")
-    checks.whole("per_sample", per_sample, 1, "give the points between two samples")
-    count = ceil(t_end / motion.dt * (1 - 1e-12)) + 1
-    if count > MOST_DRAWN:
+    t_end = checks.positive("t_end", t_end, "give the last time in seconds")
+    reference = checks.number("reference", reference, "give the size of the step")
+    per_sample = checks.whole("per_sample", per_sample, 1, "give the points between two samples")
+    if not t_end / motion.dt < MOST_DRAWN:
         raise SpecError(
             "t_end",
             f"must be at most {MOST_DRAWN} samples ({MOST_DRAWN * motion.dt:.4g} s)",
             t_end,
             "draw a shorter time",
         )
+    count = ceil(t_end / motion.dt * (1 - 1e-12)) + 1
+    if count * per_sample > MOST_POINTS:
+        bound = f"must give {MOST_POINTS} points or fewer, {MOST_POINTS // count} a sample here"
+        raise SpecError("per_sample", bound, per_sample, "draw fewer points")
     states = queue.run(motion, count) if motion.wait else motion.run(motion.start, count)
     times, rows = _between(motion, per_sample)
     dense = (np.arange(count)[:, None] + times[None, :]) * motion.dt

@@ -14,19 +14,18 @@ Control Systems 40(5), 2020, eq. (5) with sigma = 0.
 from cmath import phase
 from dataclasses import replace
 from math import degrees, inf, isnan, log, radians, tau
-from warnings import warn
 
 import numpy as np
 
 from zoh.analysis.close import Close
 from zoh.analysis.loop import Loop, out_of_range
 from zoh.analysis.proof import Found, Look, Peak, proved
-from zoh.analysis.results import Margins
+from zoh.analysis.results import Margins, Proof
 from zoh.analysis.rounding import doubts
 from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import ON_DEN, ON_NUM, ON_OPPOSITE, Below, Squares
-from zoh.analysis.stability import verdict
-from zoh.errors import AccuracyWarning
+from zoh.analysis.stability import decided
+from zoh.errors import warn
 from zoh.lti import poly
 from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
 from zoh.lti.systems import Plant, Sampled
@@ -34,6 +33,7 @@ from zoh.lti.systems import Plant, Sampled
 _TOUCHES = 4e-15  # |L| this near to 1 at an end of the axis is 1: a few roundings, and
 _AT_A_ROOT = 1e-13  # of its terms: what num conj den is, in floats, at a root of num or den
 _ON_IT_DEG = 1e-12  # a margin this small is 0: a few roundings of the angle
+_TINY = 1e-290  # a product below it has lost digits
 _BLUR = 1e-6  # the crossing they make up this near to it (|L| is flat there) is none
 
 Crossings = list[tuple[float, float]]
@@ -58,7 +58,7 @@ def margins(loop: Plant | Sampled | FrequencyResponse | TabledLoop) -> Margins:
         return table_margins(loop)
     found = measure_loop(Loop.of(loop))
     for sentence in found.warnings:
-        warn(sentence, AccuracyWarning, stacklevel=2)
+        warn(sentence)
     return found
 
 
@@ -82,7 +82,7 @@ def _looked_at(loop: Loop) -> Margins:
     """Return what a sparse look shows where it is proved to be all, else what a close one does."""
     with np.errstate(all="ignore"):  # what overflows is asked for afterwards
         squares = Squares.of(loop)
-        stable = verdict(loop)
+        stable = decided(loop)
         look = Sparse.of(loop, squares)
         found = _measured(loop, squares, look, stable) if look else None
         if found is None or found.certificate is None or not found.certificate.holds:
@@ -97,14 +97,17 @@ def _unproved(m: Margins) -> tuple[str, ...]:
     return (f"not proved to be complete: {', '.join(m.certificate.open())}",)
 
 
-def _measured(loop: Loop, squares: Squares, look: Look, stable: bool | None) -> Margins:
+def _measured(
+    loop: Loop, squares: Squares, look: Look, decision: tuple[bool | None, Proof]
+) -> Margins:
     """Return everything that a look at the loop shows, with the proof that it is everything."""
+    stable, why = decision
     unities, turns, drops = look.unities(), look.turns(), look.drops()
     by_phase = _phase_crossings(loop, squares, unities, turns)
     by_gain = _gain_crossings(loop, squares, unities, by_phase)
     peaks = [peak(loop, squares, look, below) for below in (ON_DEN, ON_NUM, ON_OPPOSITE)]
     found = Found(unities, turns, drops, peaks)
-    certificate = proved(loop, squares, look, found, stable=stable)
+    certificate = proved(loop, squares, look, found, stable=why)
     nearest_gain = min(by_phase, key=lambda c: abs(log(c[1])), default=(None, inf))
     nearest_phase = min(by_gain, key=lambda c: abs(c[1]), default=(None, inf))
     modulus, complementary, disk = peaks
@@ -155,7 +158,11 @@ def _phase_crossings(
     for v in turns:
         top, bottom = loop.point(v)
         product = (top * bottom.conjugate()).real
-        if product < -_AT_A_ROOT * _bulk(loop, v):
+        if not _TINY < abs(product) < inf:
+            ratio = _ratio(top, bottom)
+            if ratio.real < -_AT_A_ROOT * abs(ratio):
+                crossings.append((loop.frequency(v), -1 / ratio.real))
+        elif product < -_AT_A_ROOT * _bulk(loop, v):
             crossings.append((loop.frequency(v), -_square(bottom) / product))
     every = crossings + _at_the_ends(loop)
     return sorted((w, factor) for w, factor in every if 0 < factor < inf)  # what a float holds
@@ -196,11 +203,20 @@ def peak(loop: Loop, squares: Squares, look: Look, below: Below) -> Peak:
 def _delay_margin(loop: Loop, by_gain: Crossings) -> float:
     """Return the least delay in s that turns a crossing onto -1.
 
-    A continuous loop whose gain stays above 1 at the highest frequencies bears none at all.
+    A continuous loop whose gain stays above 1 at the highest frequencies bears none at all. A
+    sampled one whose gain is above 1 at Nyquist's frequency, where L is real, bears at most what
+    turns that end of the curve onto the negative axis, too: a sample, or nothing.
     """
-    if loop.dt is None and loop.num[0] != 0 and abs(loop.num[0]) >= abs(loop.den[0]):
-        return 0.0
-    return min((_delay(w, pm) for w, pm in by_gain if w), default=inf)
+    found = [_delay(w, pm) for w, pm in by_gain if w or abs(pm) < _ON_IT_DEG]
+    _, top, bottom = loop.ends()[-1]
+    if abs(top) >= abs(bottom):  # at the end |L| is 1 or more
+        if loop.dt is None:
+            return 0.0
+        if top * bottom < 0:
+            found.append(0.0)
+        else:
+            found.append(loop.dt)
+    return min(found, default=inf)
 
 
 def _delay(w: float, pm_deg: float) -> float:
@@ -220,8 +236,16 @@ def _scale(loop: Loop) -> float:
 
 def _margin_deg(top: complex, bottom: complex) -> float:
     """Return the angle from -180 deg to L, in (-180, 180]."""
-    angle = degrees(phase(-top * bottom.conjugate()))
+    product = -top * bottom.conjugate()
+    if not _TINY < abs(product.real) + abs(product.imag) < inf:
+        product = -_ratio(top, bottom)
+    angle = degrees(phase(product))
     return 180.0 if angle <= -180 else angle
+
+
+def _ratio(top: complex, bottom: complex) -> complex:
+    """Return top/bottom where their product is beyond a float; bottom 0 counts as the least."""
+    return top / (bottom or _TINY)
 
 
 def _bulk(loop: Loop, v: float) -> float:

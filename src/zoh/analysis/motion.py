@@ -22,6 +22,7 @@ Indices = npt.NDArray[np.int64]
 
 QUIET = 1e-8  # the slowest mode has fallen to this at the horizon
 _SLOWEST = 1e-14
+_PLAIN = 1e-3  # a decay per step that I + S holds to 13 digits: S by itself need not be kept
 _AT_ONCE = 1e6  # the decay of a mode at z = 0
 _GONE = 20.0  # exp(-20) of what it was does not say where to look
 _TURN = 0.25  # rad that a mode turns at most from one sample shown to the next
@@ -92,17 +93,24 @@ class Motion:
             powers.append(s + s + s.dot(s))
         return powers[i]
 
-    def run(self, first: Array, count: int, doublings: int = 0) -> Array:
-        """Return ``count`` columns, Z at every 2^doublings samples from ``first`` on."""
-        out = np.empty((len(first), count))
-        out[:, 0] = first
-        done = 1
+    def run(self, first: Array, count: int, doublings: int = 0, slowest: float = 0.0) -> Array:
+        """Return ``count`` columns, Z at every 2^doublings samples from ``first`` on.
+
+        slowest  the decay per sample of the slowest mode, 0 where that is not known
+        """
+        out = np.empty((count, len(first)))  # a row a sample: what is next to come is one block
+        out[0], done, whole = first, 1, None
         while done < count:
-            more = min(done, count - done)
-            known = out[:, :more]
-            np.add(known, self.power(doublings).dot(known), out=out[:, done : done + more])
-            done, doublings = done + more, doublings + 1
-        return out
+            after = min(2 * done, count)
+            known, block = out[: after - done], out[done:after]
+            if slowest * (1 << doublings) < _PLAIN:
+                known.dot(self.power(doublings).T, out=block)
+                block += known
+            else:
+                whole = _one_and(self.power(doublings)) if whole is None else whole.dot(whole)
+                known.dot(whole, out=block)
+            done, doublings = after, doublings + 1
+        return out.T
 
     def rates(self) -> list[tuple[float, float]]:
         """Return (-log |z|, |log z|) per sample of each own mode z, the fastest last."""
@@ -130,7 +138,7 @@ class Motion:
                 k += stride * (-(-(end - k) // stride) + 1)
                 break
             count = min(-(-(until - k) // stride) + 1, _MOST - shown)
-            states = self.run(z, count + 1, doublings)
+            states = self.run(z, count + 1, doublings, slowest)
             ks.append(np.arange(k, k + stride * count, stride))
             zs.append(states[:, :-1])
             k, z, shown = k + stride * count, states[:, -1], shown + count
@@ -138,6 +146,13 @@ class Motion:
             k=np.concatenate(ks), states=np.concatenate(zs, axis=1), horizon=k - stride,
             rests=k > end or slowest * k > -log(STILL),
         )  # fmt: skip
+
+
+def _one_and(s: Array) -> Array:
+    """Return (I + S)', which takes a row from one sample to the next."""
+    whole = s.T.copy()
+    whole.flat[:: len(s) + 1] += 1.0
+    return whole
 
 
 def _rate(moved: complex) -> tuple[float, float]:

@@ -17,7 +17,6 @@ from zoh.analysis.loop import Array, Loop
 from zoh.analysis.results import Certificate, Proof
 from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import Below, Squares
-from zoh.analysis.stability import LONGEST
 from zoh.lti import whole
 from zoh.lti.whole import Whole
 
@@ -46,9 +45,7 @@ class Found(NamedTuple):
     peaks: Sequence[Peak]
 
 
-def proved(
-    loop: Loop, squares: Squares, look: Look, found: Found, *, stable: bool | None
-) -> Certificate:
+def proved(loop: Loop, squares: Squares, look: Look, found: Found, *, stable: Proof) -> Certificate:
     """Return the proofs for what was found in a look."""
     gain = counted(squares.gain, len(found.unities))
     if isinstance(look, Sparse) or squares.whole:
@@ -61,19 +58,9 @@ def proved(
         phases = discs.turns(loop, v[v <= look.reach], len(found.turns))
         passages = discs.passages(loop, v, level, found.drops)
     return Certificate(
-        stable=_decided(loop, stable), gain_crossings=gain, phase_crossings=phases,
+        stable=stable, gain_crossings=gain, phase_crossings=phases,
         modulus_margin=modulus, mt=complementary, disk_margin=disk, bandwidth=passages,
     )  # fmt: skip
-
-
-def _decided(loop: Loop, stable: bool | None) -> Proof:
-    if stable is None:
-        return Proof(
-            holds=False, method="discs", detail="on the boundary, or too near to it to tell"
-        )
-    if loop.dead_time and (loop.dt is None or loop.dead_time > (LONGEST + 0.5) * loop.dt):
-        return Proof(holds=True, method="discs", detail="the zeros on the right counted by winding")
-    return Proof(holds=True, method="Routh", detail="in whole numbers")
 
 
 def counted(a: Whole, found: int) -> Proof:

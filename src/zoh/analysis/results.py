@@ -68,7 +68,8 @@ class Margins:
     crossover         rad/s, where that is; None where |L| never is 1
     delay_margin      s, the least extra delay over all gain crossovers that makes the loop
                       marginally stable; inf where there is none, 0 for a continuous loop whose
-                      gain stays above 1 at the highest frequencies
+                      gain stays above 1 at the highest frequencies; a sampled loop whose gain is
+                      above 1 at Nyquist's bears no whole sample, so dt at most
     modulus_margin    min |1 + L|, at ms_frequency rad/s
     mt                max |L/(1 + L)|, at mt_frequency rad/s
     disk_margin       balanced (sigma = 0): min 2 |1 + L|/|1 - L|, at disk_frequency rad/s
@@ -218,6 +219,46 @@ class StepInfo:
             "final_value": self.final_value,
             "steady_state_error": self.steady_state_error,
             "horizon": self.horizon,
+        }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Choice:
+    """What was left open of a request, and why it was closed as it was; a label, no evidence.
+
+    open     the names of what was open: law, wc, pm_deg, ki, dc_gain
+    assumed  the requirements that were assumed where none was given
+    limits   what stands against a faster crossover, one sentence each
+    tried    (law, why not) of the simpler laws that were tried first
+    """
+
+    open: tuple[str, ...]
+    assumed: tuple[str, ...] = ()
+    limits: tuple[str, ...] = ()
+    tried: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """Return the choice in words.
+
+        >>> Choice(open=("wc",), limits=("above 2 rad/s ms must be at most 1.7",)).sentences
+        ('chosen: wc, the fastest that meets everything', 'above 2 rad/s ms must be at most 1.7')
+        """
+        fastest = ", the fastest that meets everything" if "wc" in self.open else ""
+        return (
+            f"chosen: {', '.join(self.open)}{fastest}",
+            *([f"assumed, nothing being asked: {', '.join(self.assumed)}"] if self.assumed else []),
+            *self.limits,
+            *(f"no {law}: {why}" for law, why in self.tried),
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON form."""
+        return {
+            "open": list(self.open),
+            "assumed": list(self.assumed),
+            "limits": list(self.limits),
+            "tried": [{"law": law, "why_not": why} for law, why in self.tried],
         }
 
 

@@ -44,7 +44,9 @@ def doubts(loop: Loop, m: Margins) -> tuple[str, ...]:
         found.append(f"the gain margin may be off by {_shown(100 * gain)} %")
     if m.modulus_margin and (peak := _of_return(loop, m.ms_frequency)) > LOST:
         found.append(f"Ms may be off by {_shown(100 * peak)} %")
-    if max(_of_return(loop, w) for w in _frequencies(loop, m)) >= 1:
+    ends = [_at_an_end(loop, *end) for end in loop.ends()]
+    most = max([*ends, *(_of_return(loop, w) for w in _frequencies(loop, m))])
+    if most >= 1:
         found.append("stability may be lost or won")
     if not found:
         return ()
@@ -85,12 +87,20 @@ def _of_return(loop: Loop, w: float) -> float:
     return moved / return_difference if return_difference else inf if moved else 0.0
 
 
+def _at_an_end(loop: Loop, v: float, top: float, bottom: float) -> float:
+    """Return by which part of itself rounding moves den + num where L is real."""
+    of_top, of_bottom = _parts(loop, v)
+    moved, rest = abs(top) * of_top + abs(bottom) * of_bottom, abs(top + bottom)
+    return moved / rest if rest else inf if moved else 0.0
+
+
 def _parts(loop: Loop, v: float) -> tuple[float, float]:
     """Return by which parts of themselves rounding moves num and den at v."""
     of_top = of_bottom = 0.0
     for system in loop.rounded:
-        size = hypot(1.0, v * system.dt / 2)
-        x, y = complex(0.0, v / size), 1 / size
+        half = system.dt / 2
+        size = hypot(1.0, v * half)
+        x, y = complex(0.0, v / size if v < inf else 1 / half), 1 / size
         of_top += _part(system.num, abs(poly.homogeneous(system.num_w, x, y)))
         of_bottom += _part(system.den, abs(poly.homogeneous(system.den_w, x, y)))
     return of_top, of_bottom

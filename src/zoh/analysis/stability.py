@@ -1,20 +1,23 @@
 """Is the closed loop stable? Decided by its poles, never by its margins.
 
-Without delay the closed loop is a polynomial, and Routh's scheme in whole numbers decides.
-Whole samples of delay are multiplied in. A continuous dead time, or a very long one, leaves no
-polynomial: there the argument principle counts, with a proof between the points it looks at.
+Without delay the closed loop is a polynomial, and Routh's scheme in whole numbers decides. A few
+whole samples of delay are multiplied in. A continuous dead time leaves no polynomial, and many
+samples a long one: there the argument principle counts, with a proof between the points it looks
+at.
 """
 
 from collections.abc import Sequence
-from math import comb, pi
+from math import comb, exp, log, log10, pi
 
 import numpy as np
 
 from zoh.analysis.discs import unstable_zeros
 from zoh.analysis.loop import Array, Loop
+from zoh.analysis.results import Proof
 from zoh.lti import poly, whole
 
-LONGEST = 60  # samples of delay that are multiplied in
+SHORT = 10  # samples of delay up to which Routh's scheme costs less than winding
+LONGEST = 60  # samples of delay up to which it is asked where winding does not tell
 
 
 def closed_loop_stable(loop: Loop) -> bool:
@@ -23,21 +26,30 @@ def closed_loop_stable(loop: Loop) -> bool:
     A zero on the boundary is not stable. Shared factors of num and den count: a hidden mode
     that is unstable makes the loop unstable.
     """
-    return verdict(loop) is True
+    return decided(loop)[0] is True
 
 
-def verdict(loop: Loop) -> bool | None:
-    """Return whether the closed loop is stable; None where a delay leaves it undecided.
+def decided(loop: Loop) -> tuple[bool | None, Proof]:
+    """Return whether the closed loop is stable, and by which proof; None where none holds.
 
-    That is where it is on the boundary to within rounding.
+    That is where a delay leaves it on the boundary to within rounding.
     """
+    m = 0 if loop.dt is None else round(loop.dead_time / loop.dt)
     if not loop.dead_time:
-        return whole.hurwitz(whole.plus(*loop.exact))
-    if loop.dt is not None:
-        m = round(loop.dead_time / loop.dt)
-        if m <= LONGEST:
-            return whole.hurwitz(_with_delay(loop, loop.dt, m))
-    return _none_encircled(loop)
+        return whole.hurwitz(whole.plus(*loop.exact)), _ROUTH
+    if loop.dt is not None and m <= SHORT:
+        return whole.hurwitz(_with_delay(loop, loop.dt, m)), _ROUTH
+    found = _none_encircled(loop)
+    if found is not None:
+        return found, _WINDING
+    if loop.dt is not None and m <= LONGEST:
+        return whole.hurwitz(_with_delay(loop, loop.dt, m)), _ROUTH
+    return None, _NO_PROOF
+
+
+_ROUTH = Proof(holds=True, method="Routh", detail="in whole numbers")
+_WINDING = Proof(holds=True, method="discs", detail="the zeros on the right counted by winding")
+_NO_PROOF = Proof(holds=False, method="discs", detail="on the boundary, or too near to it to tell")
 
 
 def hurwitz_floats(a: Sequence[float]) -> bool:
@@ -63,10 +75,20 @@ def _none_encircled(loop: Loop) -> bool | None:
         return False  # |L| >= 1 at infinity with dead time: infinitely many poles on the right
     sizes = [abs(r) for r in (*poly.roots(loop.den), *poly.roots(loop.num)) if r]
     scale = max([*sizes, 1 / loop.dead_time])
-    low = min([*sizes, 1 / loop.dead_time]) * 1e-3
-    v = np.unique(np.concatenate([np.geomspace(low, scale * 1e3, 300), _turns(loop, scale)]))
+    low = min([*sizes, 1 / loop.dead_time, *_slow_crossover(loop)]) * 1e-3
+    even = np.geomspace(low, scale * 1e3, 300 + 20 * int(log10(scale / low)))
+    v = np.unique(np.concatenate([even, _turns(loop, scale)]))
     zeros = unstable_zeros(loop, v[v > 0])
     return None if zeros is None else zeros == 0
+
+
+def _slow_crossover(loop: Loop) -> list[float]:
+    """Return the v at which integrators alone would bring |L| to 1; nothing without them."""
+    num, den = poly.trim(loop.num[::-1]), poly.trim(loop.den[::-1])
+    more = len(loop.den) - len(den) - (len(loop.num) - len(num))
+    if more <= 0:
+        return []
+    return [exp((log(abs(num[0])) - log(abs(den[0]))) / more)]
 
 
 def _turns(loop: Loop, scale: float) -> Array:

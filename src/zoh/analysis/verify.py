@@ -10,16 +10,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import radians
 from typing import Any
-from warnings import warn
 
 from zoh import checks
 from zoh.analysis.asked import missed
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import measure_loop
-from zoh.analysis.results import Gains, Margins, StepInfo
+from zoh.analysis.responses import noise_gains
+from zoh.analysis.results import Choice, Gains, Margins, StepInfo
 from zoh.analysis.stability import closed_loop_stable
 from zoh.analysis.step import closed_loop_step
-from zoh.errors import AccuracyWarning, NotMet, SpecError
+from zoh.errors import NotMet, SpecError, warn
 from zoh.lti.forms import forms, sentences
 from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.systems import Plant, Sampled
@@ -40,7 +40,10 @@ class Measured:
     reference          the step asked of the loop, in the units the controller compares
     law, gains, name   labels
     step               None where the closed loop is unstable
+    noise_gain         standard deviation of u per unit of white measurement noise, one value a
+                       sample; None where nothing is asked of it
     misses             one sentence for each requirement missed; empty where all is met
+    choice             what was left open and how it was closed, a label; None where nothing was
     """
 
     name: str
@@ -54,7 +57,9 @@ class Measured:
     requirements: Requirements
     margins: Margins
     step: StepInfo | None
+    noise_gain: float | None = None
     misses: tuple[str, ...] = field(default=())
+    choice: Choice | None = None
 
     @property
     def dt(self) -> float:
@@ -94,8 +99,10 @@ class Measured:
             },
             "margins": self.margins.to_dict(),
             "step": self._step_dict(),
+            "noise_gain": self.noise_gain,
             "met": self.met,
             "misses": list(self.misses),
+            "choice": None if self.choice is None else self.choice.to_dict(),
         }
 
     def _step_dict(self) -> dict[str, Any] | None:
@@ -124,6 +131,8 @@ class Measured:
             lines.append(_step_line(self.step))
         if m.certificate is not None and m.certificate.holds:
             lines.append("  proved: stability, every crossing, every peak")
+        if self.choice is not None:
+            lines += [f"  {sentence}" for sentence in self.choice.sentences]
         lines += [f"  NOTE: {warning}" for warning in m.warnings]
         lines += [f"  MISSED: {miss}" for miss in self.misses]
         return "\n".join(lines)
@@ -134,7 +143,7 @@ class Verified(Measured):
     """A loop that is stable and meets every requirement; made by ``verify`` alone."""
 
     def __post_init__(self) -> None:
-        found = missed(self.requirements, self.margins, self.step)
+        found = missed(self.requirements, self.margins, self.step, self.noise_gain)
         if self.step is None or not self._evidence_holds():
             found.append("the evidence is not this loop's")
         if found or self.misses:
@@ -174,7 +183,7 @@ def measure(
         raise SpecError("plant", "must be a model", plant, "zoh.measure_table is for tables")
     if not isinstance(controller, Sampled):
         raise SpecError("controller", "must be a zoh.Sampled", controller, "give num, den and dt")
-    if dt is not None and dt != controller.dt:
+    if dt is not None and checks.number("dt", dt, "give seconds") != controller.dt:
         raise SpecError("dt", f"must be the controller's {controller.dt!r} s", dt, "use one clock")
     reference = checks.number("reference", reference, "give the size of the step")
     if reference == 0:
@@ -183,27 +192,41 @@ def measure(
         raise SpecError(
             "requirements", "must be zoh.Requirements", requirements, "zoh.Requirements(ms=1.8)"
         )
+    labels = _labels(law, gains, name)
     sampled = sample(plant, controller.dt, compute_delay)
     margins = measure_loop(Loop.of(controller, sampled))
     for sentence in margins.warnings:
-        warn(sentence, AccuracyWarning, stacklevel=2)
-    step = None
+        warn(sentence)
+    step, noise_gain = None, None
     if margins.stable:
         step = closed_loop_step(plant, controller, compute_delay=compute_delay, reference=reference)
+        if requirements.noise_gain is not None:
+            noise_gain = noise_gains(plant, controller, compute_delay=compute_delay)[1]
     return Measured(
-        name=name or law,
-        law=law,
-        gains=Gains(dict(gains or {})),
+        **labels,
         plant=plant,
         sampled=sampled,
         controller=controller,
-        compute_delay=compute_delay,
+        compute_delay=float(compute_delay),
         reference=reference,
         requirements=requirements,
         margins=margins,
         step=step,
-        misses=tuple(missed(requirements, margins, step)),
+        noise_gain=noise_gain,
+        misses=tuple(missed(requirements, margins, step, noise_gain)),
     )
+
+
+def _labels(law: str, gains: Mapping[str, float] | None, name: str | None) -> dict[str, Any]:
+    """Return law, gains and name, checked."""
+    if gains is None:
+        gains = {}
+    if not isinstance(gains, Mapping):
+        raise SpecError("gains", "must name each gain", gains, 'such as {"kp": 2.0}')
+    known = {checks.text("gains", k): checks.number(f"gains[{k!r}]", v) for k, v in gains.items()}
+    law = checks.text("law", law)
+    label = law if name is None else checks.text("name", name)
+    return {"law": law, "gains": Gains(known), "name": label or law}
 
 
 def verify(

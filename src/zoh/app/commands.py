@@ -1,7 +1,7 @@
 """``zoh design`` and ``zoh check`` without their terminal: a project in, what came out."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import zoh
@@ -13,8 +13,9 @@ from zoh.app.toml import within
 from zoh.errors import Infeasible, NotMet, SpecError
 from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.hidden import hidden_modes
-from zoh.pipeline import design
+from zoh.pipeline import design, left_open
 from zoh.sampling.hold import sample
+from zoh.spec import Requirements
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -91,7 +92,7 @@ def _designed(project: Project, request: Request) -> Entry:
                 sections=request.sections,
                 dt=project.dt,
                 compute_delay=project.compute_delay,
-                requirements=project.requirements,
+                requirements=_requirements(project, request),
                 reference=project.reference,
                 name=name,
             )
@@ -100,6 +101,25 @@ def _designed(project: Project, request: Request) -> Entry:
     except Infeasible as e:
         return Entry(name=name, law=law, refusal=e)
     return Entry(name=name, law=law, measured=made)
+
+
+def _requirements(project: Project, request: Request) -> Requirements:
+    """Return what is asked; of what is left open, to stay within the actuator's ends, too.
+
+    The reference of the file is in output units; the sensor turns it into what is compared.
+    """
+    asked, gain = project.requirements, project.sensor.gain
+    if not left_open(request.law, request.parameters) or isinstance(
+        project.plant, FrequencyResponse
+    ):
+        return asked
+    ends = (project.actuator.low, project.actuator.high)
+    low, high = (None if end is None else end / gain for end in (ends if gain > 0 else ends[::-1]))
+    return replace(
+        asked,
+        effort_min=low if asked.effort_min is None else asked.effort_min,
+        effort_max=high if asked.effort_max is None else asked.effort_max,
+    )
 
 
 def _measured(project: Project, given: Given, *, claimed: bool = False) -> Entry:

@@ -14,6 +14,7 @@ from zoh.app.plants import is_table, output_unit, read_plant
 from zoh.app.sections import read_sections
 from zoh.app.toml import Literal, Section, tables, within
 from zoh.certificate import LAWS, OPTIONS
+from zoh.choice.choose import AUTO, OF_AUTO
 from zoh.design.sections import SecondOrder
 from zoh.errors import SpecError
 from zoh.lti.frequency_response import FrequencyResponse
@@ -201,7 +202,7 @@ def _controllers(file: Section, dt: float) -> tuple[Request | Given, ...]:
 
 def _controller(entry: Section, dt: float) -> Request | Given:
     law = entry.data.get("law")
-    known = [*LAWS, GIVEN]
+    known = [*LAWS, AUTO, GIVEN]
     if law is None:
         raise entry.missing("law", f"one of {', '.join(known)}")
     if not isinstance(law, str) or law not in known:
@@ -210,7 +211,7 @@ def _controller(entry: Section, dt: float) -> Request | Given:
     named = Section(path=f'controller "{name}": ', data=entry.data)
     if law == GIVEN:
         return _given(named, name, dt)
-    takes = LAWS[law] + OPTIONS.get(law, ())
+    takes = LAWS.get(law, OF_AUTO) + OPTIONS.get(law, ())
     named.only(["name", "law", "sections", *takes])
     found = {key: named.number(key) for key in takes}
     parameters = {key: float(value) for key, value in found.items() if value is not None}

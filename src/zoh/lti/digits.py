@@ -10,6 +10,9 @@ from contextlib import contextmanager
 from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal, localcontext
 from typing import TYPE_CHECKING, TypeVar
 
+from zoh import checks
+from zoh.errors import SpecError
+
 if TYPE_CHECKING:
     from fractions import Fraction
 
@@ -47,6 +50,18 @@ def exact(values: "Sequence[float | Fraction]") -> Exact:
             else Decimal(v.numerator) / Decimal(v.denominator)
             for v in values
         )
+
+
+def checked(name: str, a: Exact) -> Exact:
+    """Return exact coefficients as a tuple; raise SpecError unless they are finite Decimals."""
+    way_out = "give the coefficients as a list of Decimals in descending powers"
+    items = checks.sequence(name, a, way_out)
+    for i, c in enumerate(items):
+        if not isinstance(c, Decimal) or not c.is_finite():
+            raise SpecError(f"{name}[{i}]", "must be a finite Decimal", c, way_out)
+    if not items:
+        raise SpecError(name, "must have at least one coefficient", a, way_out)
+    return tuple(items)
 
 
 def rounded(a: Sequence[Decimal]) -> tuple[float, ...]:

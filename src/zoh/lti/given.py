@@ -1,9 +1,11 @@
 """What a user gives for a system, checked and in the form the library works with."""
 
+from numbers import Complex
 from typing import Any
 
 import numpy as np
 
+from zoh import checks
 from zoh.errors import SpecError
 from zoh.lti.poly import Poly
 
@@ -34,18 +36,27 @@ def check_fraction(num: Poly, den: Poly, variable: str) -> None:
 
 def paired(name: str, values: Any) -> list[complex]:
     """Return roots as complex numbers; raise SpecError unless they come in conjugate pairs."""
-    way_out = "give a list of numbers, complex ones in conjugate pairs"
-    try:
-        roots = [complex(v) for v in values]
-    except (TypeError, ValueError):
-        raise SpecError(name, "must be a list of numbers", values, way_out) from None
-    for r in roots:
-        if not np.isfinite(r):
-            raise SpecError(name, "must be finite", r, way_out)
+    roots = complex_numbers(name, values, "give a list of numbers, complex ones in conjugate pairs")
     for r in roots:
         if r.imag and roots.count(r) != roots.count(r.conjugate()):
             raise SpecError(name, "must come in conjugate pairs", r, f"add {r.conjugate()}")
     return roots
+
+
+def complex_numbers(name: str, values: Any, way_out: str) -> list[complex]:
+    """Return a list of finite complex numbers; a text or a bool is no number."""
+    found = []
+    for i, value in enumerate(checks.sequence(name, values, way_out)):
+        if isinstance(value, bool | np.bool_) or not isinstance(value, Complex):
+            raise SpecError(f"{name}[{i}]", "must be a number", value, way_out)
+        try:
+            number = complex(value)
+        except OverflowError:
+            raise SpecError(f"{name}[{i}]", "must fit a 64-bit float", value, way_out) from None
+        if not np.isfinite(number):
+            raise SpecError(f"{name}[{i}]", "must be finite", value, way_out)
+        found.append(number)
+    return found
 
 
 def checked_state_space(
@@ -54,15 +65,7 @@ def checked_state_space(
     """Return (A, B, C, D) as lists and a float; raise SpecError unless they are SISO and fit."""
     arrays = []
     for name, value in (("A", a), ("B", b), ("C", c), ("D", d)):
-        try:
-            array = np.asarray(value, float)
-        except (TypeError, ValueError):
-            raise SpecError(
-                name, "must be a matrix of numbers", value, "give a list of rows"
-            ) from None
-        if not np.isfinite(array).all():
-            raise SpecError(name, "must be finite", value, "remove the NaN or infinity")
-        arrays.append(array)
+        arrays.append(checks.numbers(name, value, "must be a matrix of numbers", "a list of rows"))
     matrix = np.atleast_2d(arrays[0])
     n = matrix.shape[0]
     if matrix.ndim != 2 or matrix.shape != (n, n):

@@ -7,12 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from zoh.errors import SpecError
 from zoh.lti import digits
 from zoh.lti.digits import Exact
-from zoh.lti.given import paired
+from zoh.lti.given import complex_numbers, paired
 
 _SAME = 1e-9  # of a residue: what a tool's roundings make of two that are conjugate in truth
 
@@ -60,16 +58,10 @@ def paired_terms(residues: Any, poles: Any) -> list[Term]:
 
 def _as_many(residues: Any, count: int) -> list[complex]:
     way_out = "give one residue to each pole"
-    try:
-        values = [complex(r) for r in residues]
-    except (TypeError, ValueError):
-        raise SpecError("residues", "must be a list of numbers", residues, way_out) from None
+    values = complex_numbers("residues", residues, way_out)
     if len(values) != count:
         bound = f"must be as many as the poles ({count})"
         raise SpecError("residues", bound, len(values), way_out)
-    for value in values:
-        if not np.isfinite(value):
-            raise SpecError("residues", "must be finite", value, way_out)
     return values
 
 

@@ -52,7 +52,11 @@ class Plant:
     def from_exact(
         cls, num: Exact, den: Exact, *, dead_time: float = 0.0, sensor: float = 1.0
     ) -> "Plant":
-        """Return the plant of these exact coefficients; num and den hold their nearest floats."""
+        """Return the plant of these exact coefficients; num and den hold their nearest floats.
+
+        num, den  finite Decimals in descending powers of s
+        """
+        num, den = digits.checked("num", num), digits.checked("den", den)
         made = cls(
             num=digits.rounded(num),
             den=digits.rounded(den),
@@ -159,9 +163,11 @@ class Plant:
     def at(self, wc: Any) -> Any:
         """Return the complex gain at wc in rad/s, a number or an array; infinite at a pole."""
         w = checks.frequencies("wc", wc)
-        s = 1j * w
-        top = self.sensor * poly.at(self.num, s) * np.exp(-s * self.dead_time)
-        value = poly.quotient(top, poly.at(self.den, s))
+        size = np.hypot(1.0, w)  # counted in it no power of a high frequency overflows
+        x, y = 1j * w / size, 1 / size
+        top = poly.homogeneous(poly.padded(self.num, len(self.den)), x, y)
+        late = self.sensor * np.exp(-1j * w * self.dead_time)
+        value = poly.quotient(top * late, poly.homogeneous(self.den, x, y))
         return complex(value) if w.ndim == 0 else value
 
     def poles(self) -> ComplexArray:

@@ -4,6 +4,7 @@ import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from math import isfinite
 from typing import Any, overload
 
 import numpy as np
@@ -15,6 +16,8 @@ from zoh.lti import poly
 from zoh.lti.given import check_fraction
 from zoh.lti.poly import ComplexArray, Poly
 from zoh.lti.wplane import w_to_z, z_to_w
+
+MOST_DELAY = 1_000_000  # samples; z^-delay is written out in the z-coefficients
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -88,13 +91,18 @@ class Sampled:
         >>> Sampled.from_w(num_w=[1.0], den_w=[1.0, 0.0], dt=2.0)  # 1/w = (z+1)/(z-1)
         Sampled(num=(1.0, 1.0), den=(1.0, -1.0), dt=2.0)
         """
-        sample_time(dt)
-        if delay < 0 or delay != int(delay):
-            raise SpecError("delay", "must be whole samples, 0 or more", delay, "count samples")
+        dt, num_w, den_w = sample_time(dt), _in_w("num_w", num_w), _in_w("den_w", den_w)
+        if type(delay) is not int or delay < 0:
+            delay = checks.whole("delay", delay, 0, "count the samples")
+        if delay > MOST_DELAY:
+            raise SpecError(
+                "delay", f"must be {MOST_DELAY} samples or fewer", delay, "sample more slowly"
+            )
         n = max(len(num_w), len(den_w)) - 1
         (top, top_unit), (bottom, unit) = w_to_z(num_w, dt, n), w_to_z(den_w, dt, n)
-        if not any(bottom):
-            raise SpecError("den_w", "must not be all zeros", list(den_w), "give one coefficient")
+        for name, part in (("num_w", top), ("den_w", bottom)):
+            if not any(part):
+                raise SpecError(name, "must not be all zeros", [0.0], "give one coefficient")
         lead = next(c for c in bottom if c)
         return cls.made(
             num=_floats([c * unit for c in top], top_unit * lead),
@@ -166,6 +174,17 @@ class Sampled:
         found = _in_z(self.num_w, self.dt)
         # in w a zero at z = infinity is one at 2/dt: those that num does not have are such
         return found[np.argsort(np.abs(found))][: len(self.num) - 1]
+
+
+def _in_w(name: str, value: Sequence[float]) -> Sequence[float]:
+    """Return w-coefficients, checked; leading zeros are kept."""
+    if type(value) is tuple and value and all([type(c) is float and isfinite(c) for c in value]):
+        return value  # what zoh makes itself
+    way_out = "give the coefficients as a list of real numbers in descending powers of w"
+    items = checks.sequence(name, value, way_out)
+    if not items:
+        raise SpecError(name, "must have at least one coefficient", value, way_out)
+    return tuple(checks.number(f"{name}[{i}]", c, way_out) for i, c in enumerate(items))
 
 
 def sample_time(dt: object) -> float:

@@ -93,8 +93,7 @@ def undiscretise(system: Sampled, method: str, prewarp: float | None = None) -> 
 def _forward(dt: float, method: str, prewarp: float | None) -> Callable[[Plant], Sampled]:
     """Return the method at this dt, its arguments checked."""
     if not isinstance(method, str) or method not in METHODS:
-        kept = "; ".join(f"{name!r} ({sentence})" for name, sentence in METHODS.items())
-        raise SpecError("method", "must be a known method", method, f"give one of {kept}")
+        raise SpecError("method", "must be a known method", method, f"one of {', '.join(METHODS)}")
     if prewarp is not None or method == "prewarp":
         _check_prewarp(dt, method, prewarp)
     a = _stretch(dt, prewarp)

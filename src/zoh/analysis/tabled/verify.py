@@ -28,7 +28,10 @@ from zoh.sampling.hold import sample
 from zoh.spec import Requirements
 
 _SAME_GAIN = 1e-6  # two roads to one gain; they differ by rounding, another loop by far more
-_NEVER_SHOWN = ("overshoot_pct", "rise_time", "settling_time", "steady_state_error", "peak_effort")
+_NEVER_SHOWN = (
+    "overshoot_pct", "rise_time", "settling_time", "steady_state_error", "peak_effort",
+    "effort_min", "effort_max", "noise_gain",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

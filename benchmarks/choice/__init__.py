@@ -1,0 +1,1 @@
+"""Is a chosen crossover ever beaten? A search of another kind, over the gains themselves."""

@@ -1,0 +1,115 @@
+"""What was left open of a request, closed: the fastest crossover, the margin, the law.
+
+Where a law alone is named, its fastest crossover that meets every requirement is taken; where wc
+is given, the margin with the most slack. Of ``auto`` the laws are tried from the simplest up,
+and the first that can meet everything is taken.
+"""
+
+from cmath import phase
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from math import degrees, inf, radians, remainder, sin, tau
+
+from zoh.analysis.results import Choice
+from zoh.choice.fastest import Edge, Search, Trial
+from zoh.choice.judge import Judge
+from zoh.errors import Infeasible
+from zoh.spec import Requirements
+
+AUTO = "auto"
+OF_AUTO = ("wc", "pm_deg")  # the parameters that every law understands
+FROM_THE_SIMPLEST = ("p", "pi", "pd", "lead", "lag", "pid")
+ASSUMED = Requirements(pm_deg=45.0, ms=1.7)
+_LEAST_PEAK = 1.25  # times the least Ms that a margin allows: what is assumed where that is more
+_ACTIVE = 1e-3  # of slack: a requirement this near to its bound is one that limits
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Chosen:
+    """A law with all its parameters, the requirements they were chosen for, and why these."""
+
+    law: str
+    parameters: Mapping[str, float]
+    requirements: Requirements
+    choice: Choice
+
+
+def choose(judge: Judge, law: str, given: Mapping[str, float]) -> Chosen:
+    """Return the law, all its parameters set; raise Infeasible where nothing meets everything."""
+    nothing_asked = all(getattr(judge.requirements, f.name) is None for f in fields(Requirements))
+    assumed = _assumed(law, given) if nothing_asked else judge.requirements
+    judge = replace(judge, requirements=assumed)
+    tried: list[tuple[str, Trial]] = []
+    for name in FROM_THE_SIMPLEST if law == AUTO else (law,):
+        edge = _edge(judge, name, given)
+        if edge.best.met and edge.best.parameters is not None:
+            choice = Choice(
+                open=_open(law, given, edge.best.parameters),
+                assumed=_said(assumed) if nothing_asked else (),
+                limits=_limits(edge),
+                tried=tuple((simpler, _nearest(best)) for simpler, best in tried),
+            )
+            return Chosen(
+                law=name, parameters=edge.best.parameters, requirements=assumed, choice=choice
+            )
+        tried.append((name, edge.best))
+    raise _refusal(judge, law, given, tried, _said(assumed) if nothing_asked else ())
+
+
+def _edge(judge: Judge, law: str, given: Mapping[str, float]) -> Edge:
+    search = Search(judge, law, given)
+    if "wc" not in given:
+        return search.fastest()
+    return Edge(best=search.at(given["wc"], enough=inf), above=None)
+
+
+def _assumed(law: str, given: Mapping[str, float]) -> Requirements:
+    """Return what is asked of a loop of which nothing is asked."""
+    asked = ASSUMED
+    if "pm_deg" in given:
+        least = 1 / (2 * sin(radians(given["pm_deg"]) / 2))  # |1 + L| at the crossover
+        asked = Requirements(ms=max(ASSUMED.ms or 0.0, _LEAST_PEAK * least))
+    return replace(asked, steady_state_error=0.0) if law == AUTO else asked
+
+
+def _open(law: str, given: Mapping[str, float], found: Mapping[str, float]) -> tuple[str, ...]:
+    left = tuple(key for key in found if key not in given)
+    return ("law", *left) if law == AUTO else left
+
+
+def _said(asked: Requirements) -> tuple[str, ...]:
+    found = ((f.name, getattr(asked, f.name)) for f in fields(Requirements))
+    return tuple(f"{name} = {value:.6g}" for name, value in found if value is not None)
+
+
+def _limits(edge: Edge) -> tuple[str, ...]:
+    """Return what stands against a faster crossover: its name, and what it is there."""
+    if edge.above is None:
+        return ()
+    above, rows = edge.above, edge.above.judgement.rows
+    missed = [row.sentence for row in rows if not row.met]
+    at = f"above {edge.best.wc:.6g} rad/s"
+    if missed:
+        return tuple(f"{at} {sentence}" for sentence in missed)
+    return (f"{at} {above.judgement.failed}",)
+
+
+def _nearest(best: Trial) -> str:
+    if best.parameters is None:
+        return f"it can nowhere give the margin asked, not even at {best.wc:.6g} rad/s"
+    return f"it comes nearest at {best.wc:.6g} rad/s, where {best.judgement.failed}"
+
+
+def _refusal(
+    judge: Judge, law: str, given: Mapping[str, float], tried: list[tuple[str, Trial]],
+    assumed: tuple[str, ...],
+) -> Infeasible:  # fmt: skip
+    """Return why no crossover, or no law, meets everything."""
+    name, best = max(tried, key=lambda pair: pair[1].judgement.slack)
+    where = f" at {given['wc']:.6g} rad/s" if "wc" in given else ""
+    told = f" (assumed: {', '.join(assumed)})" if assumed else ""
+    what = "no law" if law == AUTO else f"no {law}"
+    reason = f"{what} meets everything asked{where}{told}; of a {name}, {_nearest(best)}"
+    pm_deg = (best.parameters or given).get("pm_deg", judge.requirements.pm_deg or 45.0)
+    turn = radians(pm_deg - 180) - phase(judge.sampled.at(best.wc))
+    return Infeasible(reason, needed_deg=degrees(remainder(turn, tau)))

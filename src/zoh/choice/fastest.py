@@ -1,0 +1,183 @@
+"""The fastest crossover at which a law meets everything that is asked.
+
+Crossovers are tried from Nyquist's frequency down, evenly in log. At each, the law's free
+coordinates are searched for the point where the least slack is largest; where that is not below
+0 the request can be met. The edge above the first such crossover is closed in on by halving.
+What can be met between two crossovers tried, and at neither, is not seen.
+"""
+
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from math import inf, pi
+
+import numpy as np
+
+from zoh.certificate import solved
+from zoh.choice.climb import Height, HighEnough, Point, climb, grid, tops
+from zoh.choice.freedom import SECOND, Freedom
+from zoh.choice.judge import Judge, Judgement
+from zoh.choice.sieve import Sieve
+from zoh.errors import Infeasible
+from zoh.lti import poly
+from zoh.lti.systems import Sampled
+from zoh.spec import Crossover
+
+STEP = (0.005, 0.015, 0.03)  # of wc, between two that are tried; by the number of coordinates
+EDGE = 1e-4  # of wc, to which the edge is closed in on
+_FAR = -0.1  # of slack: where a glance says that no point of the grid is above it, none is near
+_LOW = -1.5  # of slack: a hill that starts lower is not climbed
+_STRIDE = 8.0  # times longer steps where a crossover misses by all
+_HILLS = 4  # that are climbed
+_NEAR = (0.02, 0.1, 0.004)  # the simplex's sizes where a point near the highest is known
+_PUSHES = (0.01, 0.002, 0.0005)  # of wc, by which a crossover found is tried to be passed
+_BELOW = 100.0  # times below the plant's slowest corner nothing new happens
+_NYQUIST = 0.999  # of pi/dt is the fastest that is tried
+_NOWHERE = Judgement(slack=-5.0, failed="the law cannot give the margin asked")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Trial:
+    """The best that a law can do at one crossover in rad/s; no parameters where it can nothing."""
+
+    wc: float
+    point: Point = ()
+    parameters: Mapping[str, float] | None = None
+    judgement: Judgement = _NOWHERE
+
+    @property
+    def met(self) -> bool:
+        """Return whether everything asked is met."""
+        return self.judgement.slack >= 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Edge:
+    """The fastest trial that is met and the next one above it, None where it is the first one.
+
+    Where none is met, ``best`` is the one that comes nearest.
+    """
+
+    best: Trial
+    above: Trial | None
+
+
+class Search:
+    """A law of which something is open, ``fixed`` what is given, and who judges its designs."""
+
+    def __init__(self, judge: Judge, law: str, fixed: Mapping[str, float]) -> None:
+        self.judge, self.law, self.fixed = judge, law, fixed
+        self.sieve = Sieve(judge.sampled, judge.requirements)
+
+    def fastest(self) -> Edge:
+        """Return the fastest crossover that is met."""
+        above: Trial | None = None
+        nearest: Trial | None = None
+        step = STEP[coordinates(self.law, self.fixed)]
+        top, bottom = _ends(self.judge.sampled)
+        wc = top
+        while wc > bottom:
+            here = self.at(wc)
+            if here.met:
+                return self._closed_in(here, above)
+            if nearest is None or here.judgement.slack > nearest.judgement.slack:
+                nearest = here
+            above = here
+            wc /= 1 + step * min(_STRIDE, 1 - (_STRIDE - 1) * min(0.0, here.judgement.slack - _FAR))
+        return Edge(best=nearest or Trial(wc=top), above=None)
+
+    def at(
+        self, wc: float, seed: Point | None = None, enough: float = 0.0, *, seeded: bool = False
+    ) -> Trial:
+        """Return the trial at wc: the first point found of ``enough`` slack, or the best one.
+
+        seed    a point near which to look first;  seeded  only there, but thoroughly
+        """
+        least = self.judge.requirements.pm_deg or 0.0
+        freedom = Freedom.of(self.law, self.judge.sampled, wc, self.fixed, least)
+        if freedom is None:
+            return Trial(wc=wc)
+        known: dict[Point, Judgement] = {}
+
+        def height(point: Point) -> float:
+            if point not in known:
+                known[point] = self.judge.of(self.law, freedom.parameters(point))
+                if known[point].slack >= enough:
+                    raise HighEnough
+            return known[point].slack
+
+        with suppress(HighEnough):
+            if seed is not None and len(seed) == freedom.size:
+                for size in _NEAR[: 3 if seeded else 1]:
+                    climb(height, seed, size)
+            if not seeded or not known:
+                self._look(freedom, height, known)
+        best = max(known, key=lambda p: known[p].slack)
+        return Trial(wc=wc, point=best, parameters=freedom.parameters(best), judgement=known[best])
+
+    def _look(self, freedom: Freedom, height: Height, known: dict[Point, Judgement]) -> None:
+        """Try the points of the grid that a glance leaves, and climb from the best of them."""
+        points = grid(freedom.size)
+        bounds = self._bounds(freedom, points)
+        order = sorted(zip(bounds, points, strict=True), reverse=True)
+        if order[0][0] < _FAR:
+            height(order[0][1])
+            return
+        for bound, point in order:
+            if bound >= _FAR:
+                height(point)
+        for start in tops({p: known[p].slack for p in points if p in known})[:_HILLS]:
+            if known[start].slack >= _LOW:
+                climb(height, start)
+
+    def _bounds(self, freedom: Freedom, points: Sequence[Point]) -> list[float]:
+        """Return for each point a bound that its slack is not above."""
+        if not self.sieve.tells or len(points) == 1:
+            return [inf] * len(points)
+        spec = Crossover(wc=freedom.wc, pm_deg=90.0)
+        bounds, some, controllers = [-inf] * len(points), [], []
+        for i, point in enumerate(points):
+            parameters = freedom.parameters(point)
+            spec = Crossover(wc=freedom.wc, pm_deg=parameters["pm_deg"])
+            with suppress(Infeasible):
+                found = solved(self.law, self.judge.sampled, spec, parameters)
+                some.append(i)
+                controllers.append(found.controller)
+        if controllers:
+            for i, bound in zip(some, self.sieve.slack(controllers), strict=True):
+                bounds[i] = bound
+        return bounds
+
+    def _closed_in(self, good: Trial, bad: Trial | None) -> Edge:
+        """Return the edge between a crossover that is met and one above it that is not."""
+        while bad is not None and bad.wc > good.wc * (1 + EDGE):
+            here = self.at((good.wc * bad.wc) ** 0.5, good.point)
+            if here.met:
+                good = here
+            else:
+                bad = here
+        return self._pushed(Edge(best=good, above=bad))
+
+    def _pushed(self, edge: Edge) -> Edge:
+        """Return the edge, passed as far as a thorough look around its best point goes."""
+        pushes = list(_PUSHES)
+        while pushes and edge.above is not None:
+            here = self.at(edge.best.wc * (1 + pushes[0]), edge.best.point, seeded=True)
+            if here.met:
+                edge = Edge(best=here, above=here)
+            else:
+                edge = Edge(best=edge.best, above=here)
+                del pushes[0]
+        return edge
+
+
+def coordinates(law: str, fixed: Mapping[str, float]) -> int:
+    """Return how many coordinates a law has at a crossover."""
+    return (law != "p" and "pm_deg" not in fixed) + (law in SECOND and SECOND[law] not in fixed)
+
+
+def _ends(sampled: Sampled) -> tuple[float, float]:
+    """Return the fastest and the slowest crossover to be tried in rad/s."""
+    top = _NYQUIST * pi / sampled.dt
+    corners = np.abs(np.concatenate([poly.roots(sampled.num_w), poly.roots(sampled.den_w)]))
+    return top, float(min(corners[corners > 0], default=top / _BELOW)) / _BELOW

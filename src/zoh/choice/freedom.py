@@ -1,0 +1,154 @@
+"""What a law leaves open at one crossover, as coordinates in [0, 1].
+
+The first one is the margin, from the least allowed to the most that the law can give there; a
+second one is a PID's ki, or the gain at w = 0 of a lag or lead, where it was not given. Every
+point is a controller with positive gains that crosses over at wc, and every such controller is
+one, but for those with a zero more than a decade below wc. A slow zero lets the loop creep for
+ever behind a crossover that is fast in name alone: an integral that does next to nothing, a
+derivative with next to no gain below it.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import atan, cos, degrees, exp, pi, radians, sin
+
+from zoh.design import first_order
+from zoh.design import pid as pid_law
+from zoh.design.target import Response, Target
+from zoh.errors import SpecError
+from zoh.spec import Crossover
+
+SLOWEST = 0.1  # of wc, both in the w-plane: the slowest zero of a controller
+_INSET = 1e-6  # of an open interval is left out at its ends
+_WIDE = 9.0  # a second coordinate reaches to exp(-9) of its range
+_LEAST_DEG = 1.0  # a margin that nobody would ask for less of
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Freedom:
+    """What is open of a law at one crossover.
+
+    pm      deg, the least and the largest margin; equal where it is given or cannot be chosen
+    fixed   the parameters that are given
+    size    how many coordinates there are
+    """
+
+    law: str
+    target: Target
+    turn_deg: float
+    wc: float
+    pm: tuple[float, float]
+    fixed: Mapping[str, float]
+    size: int
+
+    @classmethod
+    def of(
+        cls, law: str, sampled: Response, wc: float, fixed: Mapping[str, float], least_pm: float
+    ) -> "Freedom | None":
+        """Return what is open at wc; None where the law cannot give the least margin there."""
+        try:
+            target = Target.of(sampled, Crossover(wc=wc, pm_deg=90.0))
+        except SpecError:  # a pole or a zero on the circle, or no frequency below Nyquist's
+            return None
+        turn_deg = 90.0 - degrees(target.theta)  # the margin of a law that turns nothing
+        if law == "p":
+            pm = _of_plant(turn_deg, fixed, least_pm)
+        else:
+            pm = _margins(_turns(law, target, fixed), turn_deg, fixed, least_pm)
+        if pm is None:
+            return None
+        second = law in SECOND and SECOND[law] not in fixed
+        return cls(
+            law=law, target=target, turn_deg=turn_deg, wc=wc, pm=pm, fixed=fixed,
+            size=(pm[0] < pm[1]) + second,
+        )  # fmt: skip
+
+    def parameters(self, x: Sequence[float]) -> dict[str, float]:
+        """Return the law's parameters at a point of [0, 1]^size."""
+        low, high = self.pm
+        free = list(x)
+        # finest at the least margin: beyond 90 deg there is seldom anything to be had
+        pm_deg = low + (high - low) * free.pop(0) ** 1.5 if low < high else low
+        found = {**self.fixed, "wc": self.wc, "pm_deg": pm_deg}
+        if free:
+            name, value = self._second(radians(pm_deg - self.turn_deg), free[0])
+            found[name] = value
+        return found
+
+    def _second(self, theta: float, x: float) -> tuple[str, float]:
+        """Return the second parameter and its value at a coordinate, the law turning by theta."""
+        target, c = self.target, cos(theta)
+        if self.law == "pid":
+            low, high = _integrals(target, theta)
+            share = (exp(_WIDE * x) - 1) / (exp(_WIDE) - 1)  # finest at the least ki
+            return "ki", (low + (high - low) * share) * target.v / target.size
+        share = 1 / (1 + exp(_WIDE * (1 - 2 * x)))  # finest at both ends of (0, 1)
+        slow = abs(sin(theta)) / SLOWEST  # how |1/r - c| is where the zero is the slowest
+        if self.law == "lag":  # 1/r from c down, r the gain at w = 0 in parts of that at wc
+            return "dc_gain", 1 / ((c + (max(0.0, c - slow) - c) * share) * target.size)
+        return "dc_gain", (1 / (c + slow) + (c - 1 / (c + slow)) * share) / target.size
+
+
+def _integrals(target: Target, theta: float) -> tuple[float, float]:
+    """Return the least and the largest ki |G|/v of a PID that turns by theta.
+
+    With k = ki |G|/v, x = v dt/2 and c = cos(theta) - x sin(theta) the numerator of
+    kp + ki/w + kd w/(1 + w dt/2), in units of w/v, is ((x cos(theta) + sin(theta) + k), c, k). A
+    zero at -q or a pair of size q bounds k from below, as kd > 0 does; kp > 0 does from above.
+    """
+    x, q = target.v * target.dt / 2, SLOWEST
+    c, lead = cos(theta) - x * sin(theta), x * cos(theta) + sin(theta)
+    real, pair = (q * c - q * q * lead) / (1 + q * q), q * q * lead / (1 - q * q)
+    low = max(-sin(theta), real, pair) * (1 + _INSET)
+    return low, max(c / x * (1 - _INSET), low)
+
+
+SECOND = {"pid": "ki", "lag": "dc_gain", "lead": "dc_gain"}
+
+
+def _turns(law: str, target: Target, fixed: Mapping[str, float]) -> tuple[float, float] | None:
+    """Return the interval of phases in rad that the law can give, any second parameter."""
+    x, q = target.v * target.dt / 2, SLOWEST
+    if law == "pi":
+        return -pi / 2, -atan(q)
+    if law == "pd":
+        low, high = pid_law.phases(target, 0.0, target.dt / 2) or (0.0, 0.0)
+        return low, min(high, atan(1 / q) - atan(x))
+    if law == "pid":
+        if "ki" in fixed:
+            return pid_law.phases(target, fixed["ki"], target.dt / 2)
+        return -pi / 2, atan((1 - q * q) / x - q * q * x)
+    given = fixed.get("dc_gain")
+    if law == "lag":
+        return (-pi / 2, 0.0) if given is None else first_order.lag_phases(target, given)
+    return (0.0, atan(1 / q)) if given is None else first_order.lead_phases(target, given)
+
+
+def _margins(
+    turns: tuple[float, float] | None, turn_deg: float, fixed: Mapping[str, float], least_pm: float
+) -> tuple[float, float] | None:
+    """Return the margins in deg from the least on that phases in rad allow, a given one alone."""
+    if turns is None:
+        return None
+    low, high = (turn_deg + degrees(t) for t in turns)
+    inset = _INSET * (high - low)
+    found = []
+    for whole in (-360.0, 0.0, 360.0):
+        least = max(low + inset + whole, least_pm, _LEAST_DEG)
+        most = min(high - inset + whole, 180.0 - _LEAST_DEG)
+        given = fixed.get("pm_deg")
+        if given is not None and low + whole < given < high + whole:
+            return given, given
+        if given is None and least < most:
+            found.append((least, most))
+    return max(found, key=lambda span: span[1] - span[0], default=None)
+
+
+def _of_plant(
+    turn_deg: float, fixed: Mapping[str, float], least_pm: float
+) -> tuple[float, float] | None:
+    """Return the plant's own margin, where it is allowed."""
+    pm_deg = turn_deg % 360.0
+    if "pm_deg" in fixed or not max(least_pm, _LEAST_DEG) <= pm_deg < 180.0:
+        return None
+    return pm_deg, pm_deg

@@ -1,0 +1,81 @@
+"""One candidate beside everything that is asked, by measurement alone."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from zoh.analysis.asked import Compared, of_margins, of_time
+from zoh.analysis.loop import Loop
+from zoh.analysis.margins import measure_loop
+from zoh.analysis.responses import noise_gains
+from zoh.analysis.stability import closed_loop_stable
+from zoh.analysis.step import closed_loop_step
+from zoh.certificate import off_target, solved
+from zoh.errors import Infeasible, SpecError
+from zoh.lti.systems import Plant, Sampled
+from zoh.spec import Crossover, Requirements
+
+_TIME = (
+    "overshoot_pct", "rise_time", "settling_time", "steady_state_error", "peak_effort",
+    "effort_min", "effort_max", "noise_gain",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Judgement:
+    """How a candidate fares: the least slack of what is asked, and what it is the slack of.
+
+    slack   relative, 0 or more where everything is met; -1 and less where there is nothing to
+            compare
+    failed  what stands against the candidate, in words; empty where it is met
+    """
+
+    slack: float
+    rows: tuple[Compared, ...] = ()
+    failed: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Judge:
+    """A plant, what is asked of its loop, and for which reference step."""
+
+    plant: Plant
+    sampled: Sampled
+    compute_delay: float
+    requirements: Requirements
+    reference: float
+
+    def of(self, law: str, parameters: Mapping[str, float]) -> Judgement:
+        """Return the judgement of a law with these parameters, wc and pm_deg among them."""
+        spec = Crossover(wc=parameters["wc"], pm_deg=parameters["pm_deg"])
+        try:
+            controller = solved(law, self.sampled, spec, parameters).controller
+            loop = Loop.of(controller, self.sampled)
+        except (Infeasible, SpecError) as refused:
+            return Judgement(slack=-4.0, failed=str(refused))
+        if not closed_loop_stable(loop):
+            return Judgement(slack=-3.0, failed="the closed loop is unstable")
+        margins = measure_loop(loop)
+        if off_target(margins, spec):
+            return Judgement(slack=-2.0, failed="the margin is smaller at another crossover")
+        rows = of_margins(self.requirements, margins)
+        if any(getattr(self.requirements, name) is not None for name in _TIME):
+            rows += self._in_time(controller)
+        return judged(rows)
+
+    def _in_time(self, controller: Sampled) -> list[Compared]:
+        step = closed_loop_step(
+            self.plant, controller, compute_delay=self.compute_delay, reference=self.reference
+        )
+        noise = None
+        if self.requirements.noise_gain is not None:
+            noise = noise_gains(self.plant, controller, compute_delay=self.compute_delay)[1]
+        return of_time(self.requirements, step, noise)
+
+
+def judged(rows: list[Compared]) -> Judgement:
+    """Return the judgement of a stable loop that crosses over where it should."""
+    least = min((row.slack for row in rows), default=0.0)
+    missed = [row.sentence for row in rows if not row.met]
+    if not missed:
+        least = max(least, 0.0)  # what is missed by rounding alone is met
+    return Judgement(slack=least, rows=tuple(rows), failed="; ".join(missed))

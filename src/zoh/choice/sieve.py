@@ -1,0 +1,61 @@
+"""Candidates that cannot meet what is asked, told apart by a glance at some frequencies.
+
+The largest |1/(1 + L)| of a few frequencies is never larger than Ms itself: where it is above
+the Ms allowed, nothing need be measured. The same for Mt.
+"""
+
+from collections.abc import Sequence
+from math import inf, pi
+
+import numpy as np
+import numpy.typing as npt
+
+from zoh.lti import poly
+from zoh.lti.systems import Sampled
+from zoh.lti.wplane import warp
+from zoh.spec import Requirements
+
+_POINTS = 160  # frequencies looked at
+_BEYOND = 30.0  # times outside the corners
+
+ComplexArray = npt.NDArray[np.complex128]
+
+
+class Sieve:
+    """A plant at frequencies below Nyquist's, and the peaks allowed there."""
+
+    def __init__(self, sampled: Sampled, requirements: Requirements) -> None:
+        top = 0.9999 * pi / sampled.dt
+        corners = np.abs(np.concatenate([poly.roots(sampled.num_w), poly.roots(sampled.den_w)]))
+        low = min([float(c) for c in corners if c], default=top) / _BEYOND
+        w = np.geomspace(min(low, top / _BEYOND), top, _POINTS)
+        self._s = 1j * np.array([warp(float(x), sampled.dt) for x in w])
+        self._plant: ComplexArray = np.asarray(sampled.at(w), complex)
+        self._ms, self._mt = requirements.ms, requirements.mt
+
+    @property
+    def tells(self) -> bool:
+        """Return whether anything is asked that a glance can tell."""
+        return self._ms is not None or self._mt is not None
+
+    def slack(self, controllers: Sequence[Sampled]) -> list[float]:
+        """Return for each controller, all of one law, a bound that its slack is not above."""
+        num = np.array([c.num_w for c in controllers])
+        den = np.array([c.den_w for c in controllers])
+        with np.errstate(all="ignore"):
+            loop = _at(num, self._s) / _at(den, self._s) * self._plant
+            back = np.abs(1 + loop)
+            found = np.full(len(controllers), inf)
+            if self._ms is not None:
+                found = np.minimum(found, 1 - 1 / (back.min(axis=1) * self._ms))
+            if self._mt is not None and self._mt > 0:
+                found = np.minimum(found, 1 - (np.abs(loop) / back).max(axis=1) / self._mt)
+        return [float(x) if x == x else inf for x in found]
+
+
+def _at(a: npt.NDArray[np.float64], s: ComplexArray) -> ComplexArray:
+    """Return polynomials, shape (C, n + 1), at the points s, shape (C, K)."""
+    out = np.zeros((len(a), len(s)), complex)
+    for column in a.T:
+        out = out * s + column[:, None]
+    return out
