@@ -169,7 +169,11 @@ def test_what_a_refusal_offers_can_be_had(law, asked, late):
         values = [asked[name] for name in free if name in asked]
         tries = values or [10.0**e for e in range(-6, 4)]
         assert any(_designed(plant, other, request | dict.fromkeys(free, v)) for v in tries)
-    if refused.best_pm_deg is not None and refused.best_pm_deg < asked["pm_deg"]:
+    if refused.best_pm_deg is not None:
+        # attained or approached within a millionth of a degree, and no more is to be had
+        just = {"pm_deg": refused.best_pm_deg - 1e-6}
+        d = zoh.design(plant, law, asked | just, dt=0.1)
+        assert d.margins.phase_margin_deg == pytest.approx(just["pm_deg"], abs=1e-9)
         with pytest.raises((zoh.Infeasible, zoh.NotMet)):
             zoh.design(plant, law, asked | {"pm_deg": refused.best_pm_deg + 0.01}, dt=0.1)
 

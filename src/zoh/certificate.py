@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from math import cos
+from math import ceil, cos, inf
 
 import numpy as np
 
@@ -41,11 +41,15 @@ OPTIONS: Mapping[str, tuple[str, ...]] = {
 }
 """What a law takes besides; one of the PID's ``SPARE`` stands for its ki."""
 
-SPARE = ("ki", "ti_td", "largest_ki_ms", "least_iae_ms")
+UNDER_MS = ("largest_ki_ms", "least_iae_ms")
+SPARE = ("ki", "ti_td", *UNDER_MS)
 
 _MARGIN_TOL_DEG = 1e-9  # the promise of this library; the closed forms reach some 1e-13
 _CROSSOVER_TOL = 1e-9  # relative
 _AS_WELL = {"largest_ki_ms": "least_iae_ms"}  # there is one where there is the other
+_APPROACHED_DEG = 5e-7  # an open interval's end is had this near to it: half of what is promised
+_STEP_DEG, _SEARCHED_STEP_DEG = 0.5, 5.0  # of the margins looked at; a search takes longer
+_EDGE_DEG = 1e-9
 _SMALL_KI = 1e-3  # times wc/|G|: an integral that is there and turns next to nothing
 
 
@@ -107,7 +111,7 @@ def _pid(
     pole = parameters.get("filter_pole")
     if "ti_td" in parameters:
         return pid_law.solve_ratio(sampled, spec, parameters["ti_td"], pole)
-    under = {k: parameters[k] for k in ("largest_ki_ms", "least_iae_ms") if k in parameters}
+    under = {k: parameters[k] for k in UNDER_MS if k in parameters}
     for how, ms in under.items():
         line = Line.of(sampled, spec, ms, pole, lambda m: not off_target(m, spec))
         if how == "largest_ki_ms":
@@ -148,10 +152,14 @@ def certified(
     parameters: Mapping[str, float],
 ) -> Infeasible:  # fmt: skip
     """Return the refusal with where this law can, and which laws can here; all of it tried."""
+    most = min((parameters[k] for k in UNDER_MS if k in parameters), default=inf)
 
     def holds(controller: Sampled, at: Crossover) -> bool:
         loop = Loop.of(controller, sampled)
-        return closed_loop_stable(loop) and not off_target(measure_loop(loop), at)
+        if not closed_loop_stable(loop):
+            return False
+        found = measure_loop(loop)
+        return not off_target(found, at) and found.ms <= most
 
     return advised(refused, law, sampled, spec, parameters, holds)
 
@@ -170,15 +178,52 @@ def advised(
             return False
         return holds(found.controller, at)
 
+    def has(pm_deg: float) -> bool:
+        return 0 < pm_deg < 180 and works(law, Crossover(wc=spec.wc, pm_deg=pm_deg))
+
+    searched = any(k in parameters for k in UNDER_MS)
     return Infeasible(
         refused.reason,
         needed_deg=refused.needed_deg,
-        best_pm_deg=refused.best_pm_deg,
+        needed_gain=refused.needed_gain,
+        gives_deg=refused.gives_deg,
+        best_pm_deg=best_margin(has, refused, _SEARCHED_STEP_DEG if searched else _STEP_DEG),
         nearest_wc=nearest(
             lambda wc: works(law, Crossover(wc=wc, pm_deg=spec.pm_deg)), spec.wc, sampled.dt
         ),
         laws_that_can=tuple(name for name in LAWS if name != law and works(name, spec)),
     )
+
+
+def best_margin(has: Callable[[float], bool], refused: Infeasible, step: float) -> float | None:
+    """Return the largest margin in deg that ``has`` says can be had, None if none.
+
+    The end of the phases, where a margin just below it can be had; else looked for from there
+    down, ``step`` deg at a time, the edge then halved to 1e-9 deg, and its good side returned.
+    """
+    end = refused.best_pm_deg
+    if end is None:
+        return None
+    low, high = refused.gives_deg or (0.0, 0.0)
+    if has(end - _APPROACHED_DEG):
+        return end
+    if high - low < _APPROACHED_DEG:  # a P: its interval is one margin, but for rounding
+        return end - (high - low) / 2 if has(end - (high - low) / 2) else None
+    for k in range(1, ceil(end / step)):
+        if has(good := end - k * step):
+            return _edge(has, good, good + step)
+    return None
+
+
+def _edge(has: Callable[[float], bool], good: float, bad: float) -> float:
+    """Return the good end of the edge between the two."""
+    while bad - good > _EDGE_DEG:
+        middle = (good + bad) / 2
+        if has(middle):
+            good = middle
+        else:
+            bad = middle
+    return good
 
 
 def _free(law: str, sampled: Response, spec: Crossover) -> dict[str, float]:

@@ -17,6 +17,7 @@ from zoh.certificate import (
     LAWS,
     OPTIONS,
     SPARE,
+    UNDER_MS,
     SolvedLaw,
     certified,
     least_turn,
@@ -331,7 +332,7 @@ def _free_p(
 
 def _bounded(asked: Requirements, parameters: Mapping[str, float]) -> Requirements:
     """Return the requirements with the bound on Ms that a search was made under."""
-    bounds = [parameters[k] for k in ("largest_ki_ms", "least_iae_ms") if k in parameters]
+    bounds = [parameters[k] for k in UNDER_MS if k in parameters]
     if not bounds or not isinstance(asked, Requirements):
         return asked
     return replace(asked, ms=min(bounds + ([] if asked.ms is None else [asked.ms])))

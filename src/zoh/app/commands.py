@@ -57,6 +57,8 @@ class Entry:
             "met": False,
             "misses": [],
             "needed_deg": None if refusal is None else refusal.needed_deg,
+            "needed_gain": None if refusal is None else refusal.needed_gain,
+            "gives_deg": None if refusal is None else refusal.gives_deg,
             "best_pm_deg": None if refusal is None else refusal.best_pm_deg,
             "nearest_wc": None if refusal is None else refusal.nearest_wc,
             "laws_that_can": [] if refusal is None else list(refusal.laws_that_can),
