@@ -163,12 +163,17 @@ def test_what_a_refusal_offers_can_be_had(law, asked, late):
         with pytest.raises((zoh.Infeasible, zoh.NotMet)):
             zoh.design(plant, law, asked | {"wc": nearer}, dt=0.1)
     request = {"wc": asked["wc"], "pm_deg": asked["pm_deg"]}
+    assert "textbook_lag" not in refused.laws_that_can
     for other in refused.laws_that_can:
         free = set(zoh.LAWS[other]) - set(request)
         values = [asked[name] for name in free if name in asked]
         tries = values or [10.0**e for e in range(-6, 4)]
         assert any(_designed(plant, other, request | dict.fromkeys(free, v)) for v in tries)
-    if refused.best_pm_deg is not None and refused.best_pm_deg < asked["pm_deg"]:
+    if refused.best_pm_deg is not None:
+        # attained or approached within a millionth of a degree, and no more is to be had
+        just = {"pm_deg": refused.best_pm_deg - 1e-6}
+        d = zoh.design(plant, law, asked | just, dt=0.1)
+        assert d.margins.phase_margin_deg == pytest.approx(just["pm_deg"], abs=1e-9)
         with pytest.raises((zoh.Infeasible, zoh.NotMet)):
             zoh.design(plant, law, asked | {"pm_deg": refused.best_pm_deg + 0.01}, dt=0.1)
 
@@ -184,13 +189,13 @@ def test_every_refusal_above_offers_something():
         assert caught.value.nearest_wc or caught.value.laws_that_can
 
 
-@pytest.mark.parametrize("law", ["p", "pi", "pd", "pid", "lag", "lead"])
+@pytest.mark.parametrize("law", ["p", "pi", "pd", "pid", "lag", "lead", "leadlag", "textbook_lag"])
 def test_the_function_of_a_law_is_its_design(law):
     more = {"ki": 0.85, "dc_gain": 10.0}
-    wc = {"pi": 0.8, "lag": 0.7}.get(law, 2.0)
+    wc = {"pi": 0.8, "lag": 0.7, "textbook_lag": 0.7, "leadlag": 1.2}.get(law, 2.0)
     asked = {"wc": wc, "pm_deg": 40.0} | {k: v for k, v in more.items() if k in zoh.LAWS[law]}
-    if law == "p":
-        asked = {"wc": wc}
+    if law in ("p", "textbook_lag"):
+        del asked["pm_deg"]
     direct = getattr(zoh, law)(ARM, dt=0.1, **asked)
     assert direct.controller == zoh.design(ARM, law, asked, dt=0.1).controller
     assert direct.law == law
@@ -238,3 +243,11 @@ def test_the_callers_decimal_context_is_nobodys_business():
 def test_crossover_near_nyquist_is_refused_by_name():
     with pytest.raises(zoh.SpecError, match="wc must be below the Nyquist"):
         zoh.pid(ARM, dt=0.1, wc=pi / 0.1, pm_deg=40, ki=1.0)
+
+
+def test_the_textbooks_lag_is_held_to_a_margin_only_where_one_is_asked_for():
+    d = zoh.textbook_lag(ARM, dt=0.1, wc=0.7, dc_gain=10)
+    with pytest.raises(zoh.NotMet, match="another crossover of this loop, not 40 deg") as missed:
+        zoh.textbook_lag(ARM, dt=0.1, wc=0.7, dc_gain=10, pm_deg=40)
+    assert missed.value.measured.margins.to_dict() == d.margins.to_dict()
+    assert d.margins.crossover != pytest.approx(0.7, rel=1e-4)

@@ -27,12 +27,13 @@ if TYPE_CHECKING:
         verify_table,
     )
     from zoh.analysis.verify import Measured, Verified, measure, verify
-    from zoh.certificate import LAWS
+    from zoh.certificate import LAWS, OPTIONS
+    from zoh.design.sections import SecondOrder, notch
     from zoh.errors import AccuracyWarning, Infeasible, NotMet, SpecError, ZohError
     from zoh.lti.coherence import random_error
     from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
     from zoh.lti.systems import Plant, Sampled
-    from zoh.pipeline import design, lag, lead, p, pd, pi, pid
+    from zoh.pipeline import design, lag, lead, leadlag, p, pd, pi, pid, textbook_lag
     from zoh.sampling.convert import METHODS, discretise, undiscretise
     from zoh.sampling.hold import sample
     from zoh.spec import Crossover, Requirements
@@ -43,6 +44,7 @@ __all__ = [
     "EXCITATIONS",
     "LAWS",
     "METHODS",
+    "OPTIONS",
     "AccuracyWarning",
     "Certificate",
     "Crossover",
@@ -56,6 +58,7 @@ __all__ = [
     "Requirements",
     "Response",
     "Sampled",
+    "SecondOrder",
     "SpecError",
     "StepInfo",
     "TableMargins",
@@ -69,10 +72,12 @@ __all__ = [
     "discretise",
     "lag",
     "lead",
+    "leadlag",
     "margins",
     "measure",
     "measure_table",
     "noise_gains",
+    "notch",
     "p",
     "pd",
     "pi",
@@ -82,6 +87,7 @@ __all__ = [
     "response_trace",
     "sample",
     "step_info",
+    "textbook_lag",
     "trace",
     "undiscretise",
     "verify",
@@ -105,12 +111,13 @@ _HOMES = {
         "verify_table",
     ),
     "zoh.analysis.verify": ("Measured", "Verified", "measure", "verify"),
-    "zoh.certificate": ("LAWS",),
+    "zoh.certificate": ("LAWS", "OPTIONS"),
+    "zoh.design.sections": ("SecondOrder", "notch"),
     "zoh.errors": ("Infeasible", "NotMet", "AccuracyWarning", "SpecError", "ZohError"),
     "zoh.lti.coherence": ("random_error",),
     "zoh.lti.frequency_response": ("FrequencyResponse", "TabledLoop"),
     "zoh.lti.systems": ("Plant", "Sampled"),
-    "zoh.pipeline": ("design", "lag", "lead", "p", "pd", "pi", "pid"),
+    "zoh.pipeline": ("design", "lag", "lead", "leadlag", "p", "pd", "pi", "pid", "textbook_lag"),
     "zoh.sampling.convert": ("METHODS", "discretise", "undiscretise"),
     "zoh.sampling.hold": ("sample",),
     "zoh.spec": ("Crossover", "Requirements"),

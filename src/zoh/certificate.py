@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from math import cos
+from math import ceil, cos, inf
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from zoh.analysis.margins import glance
 from zoh.analysis.results import Margins
 from zoh.analysis.stability import closed_loop_stable
 from zoh.analysis.tabled.margins import Seen
-from zoh.design import first_order
+from zoh.design import first_order, leadlag
 from zoh.design import p as p_law
 from zoh.design import pi as pi_law
 from zoh.design import pid as pid_law
@@ -27,21 +27,29 @@ LAWS: Mapping[str, tuple[str, ...]] = {
     "pd": ("wc", "pm_deg"),
     "pid": ("wc", "pm_deg", "ki"),
     "lag": ("wc", "pm_deg", "dc_gain"),
+    "textbook_lag": ("wc", "dc_gain"),
     "lead": ("wc", "pm_deg", "dc_gain"),
+    "leadlag": ("wc", "pm_deg", "dc_gain"),
 }
 """Every law and the parameters it takes."""
 
 OPTIONS: Mapping[str, tuple[str, ...]] = {
     "pd": ("filter_pole",),
     "pid": ("filter_pole", "ti_td", "largest_ki_ms", "least_iae_ms"),
+    "textbook_lag": ("pm_deg",),
+    "leadlag": ("lag_corner", "lag_ratio"),
 }
 """What a law takes besides; one of the PID's ``SPARE`` stands for its ki."""
 
-SPARE = ("ki", "ti_td", "largest_ki_ms", "least_iae_ms")
+UNDER_MS = ("largest_ki_ms", "least_iae_ms")
+SPARE = ("ki", "ti_td", *UNDER_MS)
 
 _MARGIN_TOL_DEG = 1e-9  # the promise of this library; the closed forms reach some 1e-13
 _CROSSOVER_TOL = 1e-9  # relative
 _AS_WELL = {"largest_ki_ms": "least_iae_ms"}  # there is one where there is the other
+_APPROACHED_DEG = 5e-7  # an open interval's end is had this near to it: half of what is promised
+_STEP_DEG, _SEARCHED_STEP_DEG = 0.5, 5.0  # of the margins looked at; a search takes longer
+_EDGE_DEG = 1e-9
 _SMALL_KI = 1e-3  # times wc/|G|: an integral that is there and turns next to nothing
 
 
@@ -74,7 +82,7 @@ def _solved(
     law: str, sampled: Response, spec: Crossover, parameters: Mapping[str, float],
     iae: Cost | None,
 ) -> SolvedLaw:  # fmt: skip
-    found: p_law.P | pi_law.PI | pid_law.PID | first_order.FirstOrder
+    found: p_law.P | pi_law.PI | pid_law.PID | first_order.FirstOrder | leadlag.LeadLag
     if law == "p":
         found = p_law.solve(sampled, spec)
     elif law == "pi":
@@ -85,6 +93,11 @@ def _solved(
         found = _pid(sampled, spec, parameters, iae)
     elif law == "lag":
         found = first_order.lag(sampled, spec, parameters["dc_gain"])
+    elif law == "textbook_lag":
+        found = first_order.textbook_lag(sampled, spec.wc, parameters["dc_gain"])
+    elif law == "leadlag":
+        corner, ratio = parameters.get("lag_corner"), parameters.get("lag_ratio")
+        found = leadlag.solve(sampled, spec, parameters["dc_gain"], corner, ratio)
     else:
         found = first_order.lead(sampled, spec, parameters["dc_gain"])
     gains = {k: v for k, v in found.gains.items() if law != "pd" or k != "ki"}
@@ -98,7 +111,7 @@ def _pid(
     pole = parameters.get("filter_pole")
     if "ti_td" in parameters:
         return pid_law.solve_ratio(sampled, spec, parameters["ti_td"], pole)
-    under = {k: parameters[k] for k in ("largest_ki_ms", "least_iae_ms") if k in parameters}
+    under = {k: parameters[k] for k in UNDER_MS if k in parameters}
     for how, ms in under.items():
         line = Line.of(sampled, spec, ms, pole, lambda m: not off_target(m, spec))
         if how == "largest_ki_ms":
@@ -139,10 +152,14 @@ def certified(
     parameters: Mapping[str, float],
 ) -> Infeasible:  # fmt: skip
     """Return the refusal with where this law can, and which laws can here; all of it tried."""
+    most = min((parameters[k] for k in UNDER_MS if k in parameters), default=inf)
 
     def holds(controller: Sampled, at: Crossover) -> bool:
         loop = Loop.of(controller, sampled)
-        return closed_loop_stable(loop) and not off_target(glance(loop), at)
+        if not closed_loop_stable(loop):
+            return False
+        found = glance(loop)
+        return not off_target(found, at) and found.ms <= most
 
     return advised(refused, law, sampled, spec, parameters, holds)
 
@@ -156,15 +173,21 @@ def advised(
     def works(name: str, at: Crossover) -> bool:
         wanted = {_AS_WELL.get(k, k): v for k, v in parameters.items()}
         try:
-            found = solved(name, sampled, at, {**_free(sampled, at), **wanted})
+            found = solved(name, sampled, at, {**_free(name, sampled, at), **wanted})
         except (Infeasible, SpecError, OverflowError):  # the last one in what is tried
             return False
         return holds(found.controller, at)
 
+    def has(pm_deg: float) -> bool:
+        return 0 < pm_deg < 180 and works(law, Crossover(wc=spec.wc, pm_deg=pm_deg))
+
+    searched = any(k in parameters for k in UNDER_MS)
     return Infeasible(
         refused.reason,
         needed_deg=refused.needed_deg,
-        best_pm_deg=refused.best_pm_deg,
+        needed_gain=refused.needed_gain,
+        gives_deg=refused.gives_deg,
+        best_pm_deg=best_margin(has, refused, _SEARCHED_STEP_DEG if searched else _STEP_DEG),
         nearest_wc=nearest(
             lambda wc: works(law, Crossover(wc=wc, pm_deg=spec.pm_deg)), spec.wc, sampled.dt
         ),
@@ -172,15 +195,47 @@ def advised(
     )
 
 
-def _free(sampled: Response, spec: Crossover) -> dict[str, float]:
+def best_margin(has: Callable[[float], bool], refused: Infeasible, step: float) -> float | None:
+    """Return the largest margin in deg that ``has`` says can be had, None if none.
+
+    The end of the phases, where a margin just below it can be had; else looked for from there
+    down, ``step`` deg at a time, the edge then halved to 1e-9 deg, and its good side returned.
+    """
+    end = refused.best_pm_deg
+    if end is None:
+        return None
+    low, high = refused.gives_deg or (0.0, 0.0)
+    if has(end - _APPROACHED_DEG):
+        return end
+    if high - low < _APPROACHED_DEG:  # a P: its interval is one margin, but for rounding
+        return end - (high - low) / 2 if has(end - (high - low) / 2) else None
+    for k in range(1, ceil(end / step)):
+        if has(good := end - k * step):
+            return _edge(has, good, good + step)
+    return None
+
+
+def _edge(has: Callable[[float], bool], good: float, bad: float) -> float:
+    """Return the good end of the edge between the two."""
+    while bad - good > _EDGE_DEG:
+        middle = (good + bad) / 2
+        if has(middle):
+            good = middle
+        else:
+            bad = middle
+    return good
+
+
+def _free(law: str, sampled: Response, spec: Crossover) -> dict[str, float]:
     """Return values to try for gains that were not given: modest ones that leave room.
 
     A small integral; a gain at w = 0 from which a lead has to rise, or a lag to fall, to twice
-    or half of it along the way.
+    or half of it along the way; for a lead-lag twice what is needed at the crossover.
     """
     target = Target.of(sampled, spec)
     needed = max(cos(target.theta), 0.1) / target.size
+    modest = needed / 2 if target.theta > 0 else 2 / (needed * target.size**2)
     return {
         "ki": _SMALL_KI * spec.wc / target.size,
-        "dc_gain": needed / 2 if target.theta > 0 else 2 / (needed * target.size**2),
+        "dc_gain": 2 / target.size if law == "leadlag" else modest,
     }

@@ -35,11 +35,17 @@ class SpecError(ZohError):
 class Infeasible(ZohError):
     """A request is well formed, but this law cannot meet it.
 
-    ``needed_deg`` is the phase in degrees, in (-180, 180], that the law would have to give at wc;
-    ``best_pm_deg`` the largest phase margin in degrees this law can reach at this wc, None where
-    it reaches none; ``nearest_wc`` the crossover in rad/s nearest to the requested one at which
-    this law meets the request, None where there is none; ``laws_that_can`` the names of the laws
-    that meet the request as it stands.
+    needed_deg     the phase in degrees, in (-180, 180], that the law would have to give at wc
+    needed_gain    the gain it would have to give there, None where wc is not given
+    gives_deg      the open interval of phases in degrees that it can give there with positive
+                   gains, None where it gives none
+    best_pm_deg    the largest phase margin in degrees of a stable loop of this law that crosses
+                   over at this wc, attained or approached within 1e-6; None where there is none
+    nearest_wc     the crossover in rad/s nearest to the requested one at which this law meets the
+                   request, None where there is none
+    laws_that_can  the names of the laws that meet the request as it stands
+
+    A law's own ``solve`` knows nothing of stability: its ``best_pm_deg`` is the end of the phases.
     """
 
     def __init__(
@@ -47,12 +53,16 @@ class Infeasible(ZohError):
         reason: str,
         *,
         needed_deg: float,
+        needed_gain: float | None = None,
+        gives_deg: tuple[float, float] | None = None,
         best_pm_deg: float | None = None,
         nearest_wc: float | None = None,
         laws_that_can: tuple[str, ...] = (),
     ) -> None:
         self.reason = reason
         self.needed_deg = needed_deg
+        self.needed_gain = needed_gain
+        self.gives_deg = gives_deg
         self.best_pm_deg = best_pm_deg
         self.nearest_wc = nearest_wc
         self.laws_that_can = laws_that_can
@@ -64,6 +74,8 @@ class Infeasible(ZohError):
 
     def _advice(self) -> list[str]:
         advice = []
+        if self.best_pm_deg is not None:
+            advice.append(f"the best margin it can give here is {self.best_pm_deg:.4g} deg")
         if self.nearest_wc is not None:
             advice.append(f"the nearest crossover where it can is {self.nearest_wc:.7g} rad/s")
         if self.laws_that_can:

@@ -4,8 +4,9 @@ The functions named after the laws are what users call. Each returns a ``Verifie
 meets its specification in the loop it was measured in, or raises; none clamps.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from math import inf
 from typing import overload
 
 from zoh import checks
@@ -16,6 +17,7 @@ from zoh.certificate import (
     LAWS,
     OPTIONS,
     SPARE,
+    UNDER_MS,
     SolvedLaw,
     certified,
     least_turn,
@@ -25,6 +27,7 @@ from zoh.certificate import (
 from zoh.choice.choose import AUTO, OF_AUTO, choose
 from zoh.choice.judge import Judge
 from zoh.design import p as p_law
+from zoh.design.sections import SecondOrder, in_series
 from zoh.design.target import Target
 from zoh.errors import Infeasible, NotMet, SpecError
 from zoh.lti.frequency_response import FrequencyResponse
@@ -34,12 +37,14 @@ from zoh.spec import Crossover, Requirements
 from zoh.table_design import design_on_table
 
 Known = Plant | FrequencyResponse  # a plant as a model, or as the table of its response
+_ANY_MARGIN = 90.0  # deg; a rule that takes no margin does not look at it
 Design = Verified | TableVerified  # verified on the one, or on the other
 
 
 def p(
     plant: Known, *, dt: float, wc: float | None = None, pm_deg: float | None = None,
-    compute_delay: float = 0.0, requirements: Requirements = NOTHING_ASKED,
+    compute_delay: float = 0.0, sections: Sequence[SecondOrder] = (),
+    requirements: Requirements = NOTHING_ASKED,
 ) -> Design:  # fmt: skip
     """Return the P controller with the margin pm_deg in deg, or crossing over at wc in rad/s.
 
@@ -50,12 +55,16 @@ def p(
     1.414213...
     """
     given = {"wc": wc, "pm_deg": pm_deg}
-    return design(plant, "p", given, dt=dt, compute_delay=compute_delay, requirements=requirements)
+    return design(
+        plant, "p", given, dt=dt, compute_delay=compute_delay, sections=sections,
+        requirements=requirements,
+    )  # fmt: skip
 
 
 def pi(
     plant: Known, *, dt: float, wc: float | None = None, pm_deg: float | None = None,
-    compute_delay: float = 0.0, requirements: Requirements = NOTHING_ASKED,
+    compute_delay: float = 0.0, sections: Sequence[SecondOrder] = (),
+    requirements: Requirements = NOTHING_ASKED,
 ) -> Design:  # fmt: skip
     """Return the PI controller kp + ki/w that crosses over at wc (rad/s) with pm_deg (deg).
 
@@ -63,27 +72,34 @@ def pi(
     loop it gives is unstable or misses a requirement.
     """
     given = {"wc": wc, "pm_deg": pm_deg}
-    return design(plant, "pi", given, dt=dt, compute_delay=compute_delay, requirements=requirements)
+    return design(
+        plant, "pi", given, dt=dt, compute_delay=compute_delay, sections=sections,
+        requirements=requirements,
+    )  # fmt: skip
 
 
 def pd(
     plant: Known, *, dt: float, wc: float | None = None, pm_deg: float | None = None,
     filter_pole: float | None = None, compute_delay: float = 0.0,
-    requirements: Requirements = NOTHING_ASKED,
+    sections: Sequence[SecondOrder] = (), requirements: Requirements = NOTHING_ASKED,
 ) -> Design:  # fmt: skip
     """Return the PD controller kp + kd w/(1 + w/p) that crosses over at wc with pm_deg.
 
     p is ``filter_pole`` in rad/s, 2/dt where it is left out.
     """
     given = {"wc": wc, "pm_deg": pm_deg, "filter_pole": filter_pole}
-    return design(plant, "pd", given, dt=dt, compute_delay=compute_delay, requirements=requirements)
+    return design(
+        plant, "pd", given, dt=dt, compute_delay=compute_delay, sections=sections,
+        requirements=requirements,
+    )  # fmt: skip
 
 
 def pid(
     plant: Known, *, dt: float, wc: float | None = None, pm_deg: float | None = None,
     ki: float | None = None, ti_td: float | None = None, largest_ki_ms: float | None = None,
     least_iae_ms: float | None = None, filter_pole: float | None = None,
-    compute_delay: float = 0.0, requirements: Requirements = NOTHING_ASKED,
+    compute_delay: float = 0.0, sections: Sequence[SecondOrder] = (),
+    requirements: Requirements = NOTHING_ASKED,
 ) -> Design:  # fmt: skip
     """Return the PID that crosses over at wc (rad/s) with pm_deg (deg).
 
@@ -108,26 +124,51 @@ def pid(
         "least_iae_ms": least_iae_ms, "filter_pole": filter_pole,
     }  # fmt: skip
     return design(
-        plant, "pid", given, dt=dt, compute_delay=compute_delay, requirements=requirements
-    )
+        plant, "pid", given, dt=dt, compute_delay=compute_delay, sections=sections,
+        requirements=requirements,
+    )  # fmt: skip
 
 
 def lag(
     plant: Known, *, dt: float, wc: float | None = None, pm_deg: float | None = None,
     dc_gain: float | None = None, compute_delay: float = 0.0,
-    requirements: Requirements = NOTHING_ASKED,
+    sections: Sequence[SecondOrder] = (), requirements: Requirements = NOTHING_ASKED,
 ) -> Design:  # fmt: skip
     """Return the lag with gain dc_gain at w = 0 that crosses over at wc with pm_deg."""
     given = {"wc": wc, "pm_deg": pm_deg, "dc_gain": dc_gain}
     return design(
-        plant, "lag", given, dt=dt, compute_delay=compute_delay, requirements=requirements
-    )
+        plant, "lag", given, dt=dt, compute_delay=compute_delay, sections=sections,
+        requirements=requirements,
+    )  # fmt: skip
+
+
+def textbook_lag(
+    plant: Known, *, dt: float, wc: float | None = None, pm_deg: float | None = None,
+    dc_gain: float | None = None, compute_delay: float = 0.0,
+    sections: Sequence[SecondOrder] = (), requirements: Requirements = NOTHING_ASKED,
+) -> Design:  # fmt: skip
+    """Return the lag of the textbook's rule: its zero a decade below wc, its far gain 1/|G(wc)|.
+
+    The rule does not solve for wc and a margin: the loop crosses near wc, with what margin the
+    result says. With pm_deg it is held to wc and to that margin, which it misses: NotMet says by
+    how much. ``lag`` is the exact one.
+
+    >>> arm = Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
+    >>> d = textbook_lag(arm, dt=0.1, wc=0.5, dc_gain=10)
+    >>> d.margins.crossover > 0.5
+    True
+    """
+    given = {"wc": wc, "pm_deg": pm_deg, "dc_gain": dc_gain}
+    return design(
+        plant, "textbook_lag", given, dt=dt, compute_delay=compute_delay, sections=sections,
+        requirements=requirements,
+    )  # fmt: skip
 
 
 def lead(
     plant: Known, *, dt: float, wc: float | None = None, pm_deg: float | None = None,
     dc_gain: float | None = None, compute_delay: float = 0.0,
-    requirements: Requirements = NOTHING_ASKED,
+    sections: Sequence[SecondOrder] = (), requirements: Requirements = NOTHING_ASKED,
 ) -> Design:  # fmt: skip
     """Return the lead with gain dc_gain at w = 0 that crosses over at wc with pm_deg.
 
@@ -138,25 +179,55 @@ def lead(
     """
     given = {"wc": wc, "pm_deg": pm_deg, "dc_gain": dc_gain}
     return design(
-        plant, "lead", given, dt=dt, compute_delay=compute_delay, requirements=requirements
-    )
+        plant, "lead", given, dt=dt, compute_delay=compute_delay, sections=sections,
+        requirements=requirements,
+    )  # fmt: skip
+
+
+def leadlag(
+    plant: Known, *, dt: float, wc: float | None = None, pm_deg: float | None = None,
+    dc_gain: float | None = None, lag_corner: float | None = None,
+    lag_ratio: float | None = None, compute_delay: float = 0.0,
+    sections: Sequence[SecondOrder] = (), requirements: Requirements = NOTHING_ASKED,
+) -> Design:  # fmt: skip
+    """Return the lead-lag with gain dc_gain at w = 0 that crosses over at wc with pm_deg.
+
+    ``lag_corner`` is the lag's zero in rad/s (w-plane), v/10 where it is left out; ``lag_ratio``
+    its zero over its pole, where left out the one whose lead is centred at the crossover.
+
+    >>> arm = Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
+    >>> d = leadlag(arm, dt=0.1, wc=1.95, pm_deg=40, dc_gain=100)
+    >>> round(d.margins.phase_margin_deg, 9), round(d.margins.crossover, 9)
+    (40.0, 1.95)
+    """
+    given = {
+        "wc": wc, "pm_deg": pm_deg, "dc_gain": dc_gain, "lag_corner": lag_corner,
+        "lag_ratio": lag_ratio,
+    }  # fmt: skip
+    return design(
+        plant, "leadlag", given, dt=dt, compute_delay=compute_delay, sections=sections,
+        requirements=requirements,
+    )  # fmt: skip
 
 
 @overload
 def design(
     plant: Plant, law: str, given: Mapping[str, float | None], *, dt: float,
-    compute_delay: float = 0.0, requirements: Requirements = NOTHING_ASKED,
+    compute_delay: float = 0.0, sections: Sequence[SecondOrder] = (),
+    requirements: Requirements = NOTHING_ASKED,
     reference: float = 1.0, name: str | None = None,
 ) -> Verified: ...  # fmt: skip
 @overload
 def design(
     plant: FrequencyResponse, law: str, given: Mapping[str, float | None], *, dt: float,
-    compute_delay: float = 0.0, requirements: Requirements = NOTHING_ASKED,
+    compute_delay: float = 0.0, sections: Sequence[SecondOrder] = (),
+    requirements: Requirements = NOTHING_ASKED,
     reference: float = 1.0, name: str | None = None,
 ) -> TableVerified: ...  # fmt: skip
 def design(
     plant: Known, law: str, given: Mapping[str, float | None], *, dt: float,
-    compute_delay: float = 0.0, requirements: Requirements = NOTHING_ASKED,
+    compute_delay: float = 0.0, sections: Sequence[SecondOrder] = (),
+    requirements: Requirements = NOTHING_ASKED,
     reference: float = 1.0, name: str | None = None,
 ) -> Design:  # fmt: skip
     """Return the verified design of ``law``; ``given`` are its parameters, named in ``LAWS``.
@@ -164,27 +235,31 @@ def design(
     Raises SpecError for an unknown law or parameter, one that is missing or out of range;
     Infeasible where the law cannot, with what could; NotMet where the loop is unstable, has a
     smaller margin at another crossover, or misses a requirement. On a table it is a
-    ``TableVerified``, which has no step response and so no use for the reference.
+    ``TableVerified``, which has no step response and so no use for the reference. Fixed
+    ``sections`` are in series with the law, which is solved on their product with the plant.
     """
     parameters = _checked(law, given)
+    fixed = in_series(sections, dt)
     missing = left_open(law, parameters)
     if isinstance(plant, FrequencyResponse):
         if missing:
             raise _must_be_given(law, missing[0])
         return design_on_table(
-            plant, law, parameters, dt=dt, compute_delay=compute_delay, requirements=requirements,
-            name=name,
+            plant, law, parameters, dt=dt, compute_delay=compute_delay, fixed=fixed,
+            requirements=requirements, name=name,
         )  # fmt: skip
     sampled = sample(plant, dt, compute_delay)
+    sampled = fixed * sampled if fixed else sampled
     requirements = _bounded(requirements, parameters)
 
     def iae(controller: Sampled) -> float:
-        return load_iae(plant, controller, compute_delay)
+        return load_iae(plant, controller * fixed if fixed else controller, compute_delay)
 
     def checked(found: SolvedLaw, spec: Crossover | None) -> Verified:
         evidence = measure(
-            plant, found.controller, compute_delay=compute_delay, requirements=requirements,
-            reference=reference, law=law, gains=found.gains, name=name,
+            plant, found.controller * fixed if fixed else found.controller,
+            compute_delay=compute_delay, requirements=requirements, reference=reference, law=law,
+            gains=found.gains, name=name,
         )  # fmt: skip
         off = not_as_asked(evidence.margins, spec)
         if off:
@@ -194,15 +269,19 @@ def design(
     if law == "p" and len(parameters) == 1:
         return _free_p(sampled, parameters, checked)
     if missing:
+        _check_choosable(law, missing[0], parameters, sections)
         judge = Judge(
             plant=plant, sampled=sampled, compute_delay=compute_delay,
             requirements=requirements, reference=reference,
         )  # fmt: skip
         return _chosen(judge, law, parameters, name)
-    spec = Crossover(wc=parameters["wc"], pm_deg=parameters["pm_deg"])
+    spec = Crossover(wc=parameters["wc"], pm_deg=parameters.get("pm_deg", _ANY_MARGIN))
+    asked = spec if "pm_deg" in parameters else None
     try:
-        return checked(solved(law, sampled, spec, parameters, iae), spec)
+        return checked(solved(law, sampled, spec, parameters, iae), asked)
     except Infeasible as refused:
+        if asked is None:
+            raise
         raise certified(refused, law, sampled, spec, parameters) from None
 
 
@@ -253,7 +332,7 @@ def _free_p(
 
 def _bounded(asked: Requirements, parameters: Mapping[str, float]) -> Requirements:
     """Return the requirements with the bound on Ms that a search was made under."""
-    bounds = [parameters[k] for k in ("largest_ki_ms", "least_iae_ms") if k in parameters]
+    bounds = [parameters[k] for k in UNDER_MS if k in parameters]
     if not bounds or not isinstance(asked, Requirements):
         return asked
     return replace(asked, ms=min(bounds + ([] if asked.ms is None else [asked.ms])))
@@ -277,29 +356,34 @@ def _checked(law: str, given: Mapping[str, float | None]) -> dict[str, float]:
     if len(spare) > 1:
         bound = f"must not be given beside {spare[0]}"
         raise SpecError(spare[1], bound, parameters[spare[1]], "one closes the PID's freedom")
-    for name in ("largest_ki_ms", "least_iae_ms"):
-        if name in parameters:
-            _check_searched(name, parameters)
+    usual = {"largest_ki_ms": "1.4 to 2", "least_iae_ms": "1.4 to 2", "lag_ratio": "3 to 20"}
+    for name, way_out in usual.items():
+        if parameters.get(name, inf) <= 1:
+            raise SpecError(name, "must be above 1", parameters[name], f"{way_out} is usual")
     return parameters
-
-
-def _check_searched(name: str, parameters: Mapping[str, float]) -> None:
-    if parameters[name] <= 1:
-        raise SpecError(name, "must be above 1", parameters[name], "1.4 to 2 is usual")
-    for other in OF_AUTO:
-        if other not in parameters:
-            bound = f"must be given with {name}"
-            raise SpecError(other, bound, None, "leave ki open, ask for Requirements(ms=...)")
 
 
 def left_open(law: str, parameters: Mapping[str, float]) -> list[str]:
     """Return the parameters that were left open; a P has one of two, a PID one of ``SPARE``."""
     if law == "p" and parameters:
         return []
-    if law == AUTO:
-        return ["law"]
     closed = any(name in parameters for name in SPARE)
-    return [k for k in LAWS[law] if k not in parameters and not (k == "ki" and closed)]
+    takes = ("law",) if law == AUTO else LAWS[law]
+    return [name for name in takes if name not in parameters and not (name == "ki" and closed)]
+
+
+def _check_choosable(
+    law: str, name: str, parameters: Mapping[str, float], sections: Sequence[SecondOrder]
+) -> None:
+    """Refuse to choose where the search knows nothing of what was given."""
+    known = ("filter_pole", "ti_td")
+    options = [name for name in OPTIONS.get(law, ()) if name not in known]
+    beside = next((k for k in options if k in parameters), None)
+    beside = "sections" if sections and beside is None else beside
+    if beside or law in ("leadlag", "textbook_lag"):
+        takes = ", ".join(LAWS.get(law, OF_AUTO))
+        bound = f"must be given for {law}" + (f" beside {beside}" if beside else "")
+        raise SpecError(name, bound, None, f"{law} takes {takes}")
 
 
 def _must_be_given(law: str, name: str) -> SpecError:

@@ -117,10 +117,15 @@ class Line:
     def nothing(self) -> Infeasible:
         """Return that no value looked at is good."""
         target = Target.of(self.sampled, self.spec)
+        tau = pid.time_constant(self.filter_pole, self.sampled.dt)
+        low, high = pid.phases_of_any(target, tau) or (0.0, 0.0)
         return Infeasible(
             f"no PID with positive gains has {self.spec.pm_deg:g} deg at {self.spec.wc:g} rad/s "
             f"and Ms at most {self.ms:g}",
             needed_deg=degrees(target.theta),
+            needed_gain=1 / target.size,
+            gives_deg=(degrees(low), degrees(high)),
+            best_pm_deg=target.best_margin_deg((low, high), self.spec),
         )
 
 

@@ -24,7 +24,7 @@ from zoh.analysis.tabled.verify import (
 from zoh.certificate import SolvedLaw, advised, not_as_asked, off_target, solved
 from zoh.design import p as p_law
 from zoh.design.target import Target
-from zoh.errors import Infeasible, NotMet
+from zoh.errors import Infeasible, NotMet, SpecError
 from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.systems import Sampled
 from zoh.spec import Crossover, Requirements
@@ -32,31 +32,41 @@ from zoh.spec import Crossover, Requirements
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Clocked:
-    """A sampled table as a law sees it: dt in s, and a gain at a frequency."""
+    """A sampled table as a law sees it: dt in s, and a gain at a frequency.
+
+    fixed  what stands in series with the law, None where nothing does
+    """
 
     table: FrequencyResponse
     dt: float
+    fixed: Sampled | None = None
 
     def at(self, wc: float) -> complex:
         """Return the gain at wc in rad/s; SpecError outside the table."""
-        return self.table.at(wc)
+        gain = self.table.at(wc)
+        return gain * self.fixed.at(wc) if self.fixed else gain
+
+    def whole(self, law: Sampled) -> Sampled:
+        """Return the controller: the law with what is fixed."""
+        return law * self.fixed if self.fixed else law
 
 
 def design_on_table(
     plant: FrequencyResponse, law: str, parameters: Mapping[str, float], *, dt: float,
-    compute_delay: float, requirements: Requirements, name: str | None = None,
+    compute_delay: float, requirements: Requirements, fixed: Sampled | None = None,
+    name: str | None = None,
 ) -> TableVerified:  # fmt: skip
     """Return the verified design of ``law`` on a table; its parameters are checked already.
 
     Raises SpecError where wc is outside the table, Infeasible where the law cannot, with what
     could in the table's band, NotMet where the table does not show what was asked.
     """
-    plant_seen = Clocked(table=in_clock(plant, dt, compute_delay), dt=dt)
+    plant_seen = Clocked(table=in_clock(plant, dt, compute_delay), dt=dt, fixed=fixed)
 
     def measured(found: SolvedLaw) -> TableMeasured:
         return measure_table(
-            plant, found.controller, compute_delay=compute_delay, requirements=requirements,
-            law=law, gains=found.gains, name=name,
+            plant, plant_seen.whole(found.controller), compute_delay=compute_delay,
+            requirements=requirements, law=law, gains=found.gains, name=name,
         )  # fmt: skip
 
     def checked(found: SolvedLaw, spec: Crossover | None) -> TableVerified:
@@ -67,11 +77,16 @@ def design_on_table(
         return table_verified(evidence)
 
     if law == "p" and len(parameters) == 1:
+        if fixed and "pm_deg" in parameters:
+            raise SpecError("wc", "must be given beside sections on a table", None, "choose one")
         return _free_p(plant_seen, parameters, checked)
-    spec = Crossover(wc=parameters["wc"], pm_deg=parameters["pm_deg"])
+    spec = Crossover(wc=parameters["wc"], pm_deg=parameters.get("pm_deg", 90.0))
+    asked = spec if "pm_deg" in parameters else None  # the textbook's rule takes no margin
     try:
-        return checked(solved(law, plant_seen, spec, parameters), spec)
+        return checked(solved(law, plant_seen, spec, parameters), asked)
     except Infeasible as refused:
+        if asked is None:
+            raise
         raise _advised(refused, law, plant_seen, spec, parameters) from None
 
 
@@ -79,7 +94,7 @@ def _advised(
     refused: Infeasible, law: str, plant: Clocked, spec: Crossover, parameters: Mapping[str, float]
 ) -> Infeasible:
     def holds(controller: Sampled, at: Crossover) -> bool:
-        path = Path.of(controller * plant.table)
+        path = Path.of(plant.whole(controller) * plant.table)
         return count(path).unstable == 0 and not off_target(Seen.of(path), at)
 
     return advised(refused, law, plant, spec, parameters, holds)

@@ -42,7 +42,7 @@ def turns(low, high):
 # lead, a0 = 1: acos(a0 |G|) = 45 deg;  lag, a0 = 5: acos(sqrt 2/5) = 73.57 deg
 REFUSALS = [
     (p.solve, {}, 60, sentence("a P", turns(0, 0), 60, "+15", 45)),
-    (p.solve, {}, 30, sentence("a P", turns(0, 0), 30, "-15")),
+    (p.solve, {}, 30, sentence("a P", turns(0, 0), 30, "-15", 45)),
     (pi_law.solve, {}, 60, sentence("a PI", turns("-90", 0), 60, "+15", 45)),
     (
         pid.solve,

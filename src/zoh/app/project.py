@@ -11,9 +11,11 @@ from zoh.app.claims import CLAIMS, Claim
 from zoh.app.kinds import KINDS
 from zoh.app.measured import read_table
 from zoh.app.plants import is_table, output_unit, read_plant
+from zoh.app.sections import read_sections
 from zoh.app.toml import Literal, Section, tables, within
 from zoh.certificate import LAWS, OPTIONS
 from zoh.choice.choose import AUTO, OF_AUTO
+from zoh.design.sections import SecondOrder
 from zoh.errors import SpecError
 from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.parse import quotient
@@ -32,6 +34,7 @@ class Request:
     name: str
     law: str
     parameters: Mapping[str, float]
+    sections: tuple[SecondOrder, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -209,11 +212,12 @@ def _controller(entry: Section, dt: float) -> Request | Given:
     if law == GIVEN:
         return _given(named, name, dt)
     takes = LAWS.get(law, OF_AUTO) + OPTIONS.get(law, ())
-    named.only(["name", "law", *takes])
+    named.only(["name", "law", "sections", *takes])
     found = {key: named.number(key) for key in takes}
     parameters = {key: float(value) for key, value in found.items() if value is not None}
     _check_crossover(named, parameters, dt)
-    return Request(name=name, law=law, parameters=parameters)
+    sections = read_sections(named, dt)
+    return Request(name=name, law=law, parameters=parameters, sections=sections)
 
 
 def _check_crossover(entry: Section, parameters: Mapping[str, float], dt: float) -> None:

@@ -10,9 +10,10 @@ give a lag, which the textbook rule (w0 = wc/10) only approximates.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import acos, cos, sin
+from math import acos, atan, cos, degrees, sin
 
 from zoh.design.target import Phases, Response, Target, refusal
+from zoh.errors import Infeasible
 from zoh.lti.systems import Sampled
 from zoh.spec import Crossover
 
@@ -79,7 +80,7 @@ def lead(plant: Response, spec: Crossover, dc_gain: float) -> FirstOrder:
         raise refusal(
             f"a lead of dc_gain {dc_gain:g}", target, spec, able, "has a gain above that everywhere"
         )
-    return _corners(target, dc_gain)
+    return corners(target, dc_gain)
 
 
 def lag(plant: Response, spec: Crossover, dc_gain: float) -> FirstOrder:
@@ -98,10 +99,36 @@ def lag(plant: Response, spec: Crossover, dc_gain: float) -> FirstOrder:
         raise refusal(
             f"a lag of dc_gain {dc_gain:g}", target, spec, able, "has a gain below that everywhere"
         )
-    return _corners(target, dc_gain)
+    return corners(target, dc_gain)
 
 
-def _corners(target: Target, dc_gain: float) -> FirstOrder:
+def textbook_lag(plant: Response, wc: float, dc_gain: float) -> FirstOrder:
+    """Return the lag of the textbook's rule: zero at v/10, pole at v/(10 a0 |G|).
+
+    Its gain far above its corners makes |D G| = 1; at wc it is not there yet, and still turns by
+    some 5 deg, which the rule allows for and does not compute. So the loop crosses near wc, not
+    at it. Raises Infeasible unless a0 |G| > 1.
+
+    >>> from math import pi, sqrt
+    >>> plant = Sampled(num=(1.0,), den=(1.0, -1.0), dt=1.0)
+    >>> law = textbook_lag(plant, wc=pi / 2, dc_gain=10 * sqrt(2))  # v = 2, a0 |G| = 10
+    >>> round(law.w0, 12), round(law.wp, 12)
+    (0.2, 0.02)
+    """
+    target = Target.of(plant, Crossover(wc=wc, pm_deg=90.0))
+    ratio = dc_gain * target.size
+    if not ratio > 1:
+        raise Infeasible(
+            f"a lag of dc_gain {dc_gain:g} has a gain below that everywhere; the textbook's rule "
+            f"needs more than {1 / target.size:.4g} at {wc:g} rad/s",
+            needed_deg=degrees(atan(10.0) - atan(10.0 * ratio)),  # what the rule's lag turns by
+        )
+    w0 = target.v / 10
+    return FirstOrder(dc_gain=dc_gain, w0=w0, wp=w0 / ratio, dt=plant.dt)
+
+
+def corners(target: Target, dc_gain: float) -> FirstOrder:
+    """Return the section, for a phase that is known to be possible."""
     ratio, turn = dc_gain * target.size, target.v * sin(target.theta)
     return FirstOrder(
         dc_gain=dc_gain,

@@ -97,12 +97,14 @@ def refusal(law: str, target: Target, spec: Crossover, phases: Phases, why: str)
     """Return why a law cannot: the phases it gives, or ``why`` none, and what is needed."""
     needed = degrees(target.theta)
     gives = why if phases is None else f"turns the phase by {_span(phases)} deg here"
-    best = target.best_margin_deg(phases, spec)
     asked = f"a margin of {spec.pm_deg:g} deg at {spec.wc:g} rad/s needs {needed:+.4g} deg"
-    reason = f"{law} {gives}; {asked} and a gain of {1 / target.size:.4g}"
-    if best is not None and best < spec.pm_deg:
-        reason += f"; the best margin it can give here is {best:.4g} deg"
-    return Infeasible(reason, needed_deg=needed, best_pm_deg=best)
+    return Infeasible(
+        f"{law} {gives}; {asked} and a gain of {1 / target.size:.4g}",
+        needed_deg=needed,
+        needed_gain=1 / target.size,
+        gives_deg=None if phases is None else (degrees(phases[0]), degrees(phases[1])),
+        best_pm_deg=target.best_margin_deg(phases, spec),
+    )
 
 
 def _span(phases: tuple[float, float]) -> str:

@@ -60,6 +60,8 @@ def _refusal(refused: Infeasible) -> dict[str, Any]:
     return {
         "reason": refused.reason,
         "needed_deg": refused.needed_deg,
+        "needed_gain": refused.needed_gain,
+        "gives_deg": refused.gives_deg,
         "best_pm_deg": refused.best_pm_deg,
         "nearest_wc": refused.nearest_wc,
         "laws_that_can": list(refused.laws_that_can),
