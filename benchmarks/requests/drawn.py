@@ -27,7 +27,8 @@ class Request:
 def drawn(law: str, seed: int) -> Request:
     """Return the request of this law and seed."""
     random = Random(f"{law} {seed}")
-    plant, dt = _plant(random), exp(random.uniform(log(1e-4), log(0.3)))
+    dt = exp(random.uniform(log(1e-4), log(0.3)))
+    plant = _plant(random, dt)
     sampled = zoh.sample(plant, dt)
     wc = min(exp(random.uniform(log(0.05), log(20))), random.uniform(0.02, 0.95) * pi / dt)
     g = sampled.at(wc)
@@ -54,7 +55,7 @@ def _spare(random: Random, unit: float) -> dict[str, float]:
     return {"ti_td": exp(random.uniform(log(1), log(30)))}
 
 
-def _plant(random: Random) -> zoh.Plant:
+def _plant(random: Random, dt: float) -> zoh.Plant:
     poles: list[complex] = [
         -exp(random.uniform(log(0.05), log(20))) for _ in range(random.randint(1, 3))
     ]
@@ -71,5 +72,5 @@ def _plant(random: Random) -> zoh.Plant:
         zeros = [random.choice((-1, 1)) * exp(random.uniform(log(0.3), log(30)))]
     gain = exp(random.uniform(log(0.1), log(10))) * (-1 if zeros and zeros[0] > 0 else 1)
     late = random.choice([0.0, 0.0, exp(random.uniform(log(0.01), log(0.5)))])
-    dead_time = min(late, 40 * 1e-2) if late else 0.0
+    dead_time = min(late, 12 * dt)  # a longer one only takes longer
     return zoh.Plant.zpk(zeros=zeros, poles=poles, gain=gain, dead_time=dead_time)
