@@ -251,3 +251,23 @@ def test_the_textbooks_lag_is_held_to_a_margin_only_where_one_is_asked_for():
         zoh.textbook_lag(ARM, dt=0.1, wc=0.7, dc_gain=10, pm_deg=40)
     assert missed.value.measured.margins.to_dict() == d.margins.to_dict()
     assert d.margins.crossover != pytest.approx(0.7, rel=1e-4)
+
+
+def test_an_unstable_mode_that_is_cancelled_is_not_stabilised():
+    # (s - 1)/((s - 1)(s + 1)): the margins are those of 1/(s + 1), the mode at 1 is hidden
+    hidden = zoh.Plant(num=[1, -1], den=[1, 0, -1])
+    for law, more in (("pi", {}), ("pid", {"ki": 0.5}), ("lag", {"dc_gain": 20.0})):
+        with pytest.raises((zoh.NotMet, zoh.Infeasible)):
+            zoh.design(hidden, law, {"wc": 1.0, "pm_deg": 80} | more, dt=0.05)
+    # an integrator on a plant's zero at s = 0: the constant it holds is seen by nobody
+    washed = zoh.Plant(num=[1, 0], den=[1, 3, 2])
+    with pytest.raises((zoh.NotMet, zoh.Infeasible)):
+        zoh.pi(washed, dt=0.05, wc=1.0, pm_deg=120)
+
+
+def test_gains_are_positive_or_refused():
+    backwards = zoh.Plant(num=[-2.3], den=[1, 0.7809, 0])
+    for law in ("p", "pi", "pd", "lead", "leadlag"):
+        asked = {"wc": 0.8, "pm_deg": 40} | ({"dc_gain": 0.5} if law.startswith("lead") else {})
+        with pytest.raises((zoh.NotMet, zoh.Infeasible)):
+            zoh.design(backwards, law, asked, dt=0.1)

@@ -47,7 +47,7 @@ SPARE = ("ki", "ti_td", *UNDER_MS)
 _MARGIN_TOL_DEG = 1e-9  # the promise of this library; the closed forms reach some 1e-13
 _CROSSOVER_TOL = 1e-9  # relative
 _AS_WELL = {"largest_ki_ms": "least_iae_ms"}  # there is one where there is the other
-_APPROACHED_DEG = 5e-7  # an open interval's end is had this near to it: half of what is promised
+_APPROACHED_DEG = 1e-6  # an open interval's end is had this near to it
 _STEP_DEG, _SEARCHED_STEP_DEG = 0.5, 5.0  # of the margins looked at; a search takes longer
 _EDGE_DEG = 1e-9
 _SMALL_KI = 1e-3  # times wc/|G|: an integral that is there and turns next to nothing
@@ -205,13 +205,17 @@ def best_margin(has: Callable[[float], bool], refused: Infeasible, step: float) 
     if end is None:
         return None
     low, high = refused.gives_deg or (0.0, 0.0)
-    if has(end - _APPROACHED_DEG):
+    if has(end - _APPROACHED_DEG) and has(end - _APPROACHED_DEG / 2):
         return end
     if high - low < _APPROACHED_DEG:  # a P: its interval is one margin, but for rounding
         return end - (high - low) / 2 if has(end - (high - low) / 2) else None
+
+    def surely(pm_deg: float) -> bool:  # where |L| is flat, one margin may be had by luck
+        return has(pm_deg) and has(pm_deg - _APPROACHED_DEG)
+
     for k in range(1, ceil(end / step)):
-        if has(good := end - k * step):
-            return _edge(has, good, good + step)
+        if surely(good := end - k * step):
+            return _edge(surely, good, good + step)
     return None
 
 

@@ -1,0 +1,17 @@
+"""A share of the campaign of random requests: each is met, or its refusal is right.
+
+The whole of it is ``python -m benchmarks.requests --count 10000``.
+"""
+
+import pytest
+from benchmarks.requests.drawn import LAWS, drawn
+from benchmarks.requests.judged import judge
+
+
+@pytest.mark.filterwarnings("ignore::zoh.AccuracyWarning")  # what is right counts, not how sure
+@pytest.mark.parametrize("law", LAWS)
+def test_random_requests_are_met_or_rightly_refused(law):
+    verdicts = [judge(drawn(law, seed)) for seed in range(12)]
+    assert [v for v in verdicts if v.startswith("WRONG")] == []
+    assert verdicts.count("met") >= 2
+    assert verdicts.count("infeasible") >= 2
