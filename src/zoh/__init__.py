@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import zoh.design as _laws  # before the function of the same name below, which it would hide
 
 if TYPE_CHECKING:
+    from zoh.analysis.budget import Budget, budget
     from zoh.analysis.closed import EXCITATIONS
     from zoh.analysis.curves import Trace, trace
     from zoh.analysis.margins import margins
@@ -44,6 +45,7 @@ __all__ = [
     "LAWS",
     "METHODS",
     "AccuracyWarning",
+    "Budget",
     "Certificate",
     "Crossover",
     "FrequencyResponse",
@@ -65,6 +67,7 @@ __all__ = [
     "Trace",
     "Verified",
     "ZohError",
+    "budget",
     "design",
     "discretise",
     "lag",
@@ -91,6 +94,7 @@ __all__ = [
 # A name is loaded when it is first used: what a script does not need costs it nothing. The
 # imports above say the same to type checkers, and a test compares the two.
 _HOMES = {
+    "zoh.analysis.budget": ("Budget", "budget"),
     "zoh.analysis.closed": ("EXCITATIONS",),
     "zoh.analysis.margins": ("margins",),
     "zoh.analysis.responses": ("Response", "noise_gains", "response", "response_trace"),
