@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     )
     from zoh.analysis.verify import Measured, Verified, measure, verify
     from zoh.certificate import LAWS
+    from zoh.emulation import Emulated, emulate
     from zoh.errors import AccuracyWarning, Infeasible, NotMet, SpecError, ZohError
     from zoh.lti.coherence import random_error
     from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
@@ -48,6 +49,7 @@ __all__ = [
     "Budget",
     "Certificate",
     "Crossover",
+    "Emulated",
     "FrequencyResponse",
     "Infeasible",
     "Margins",
@@ -70,6 +72,7 @@ __all__ = [
     "budget",
     "design",
     "discretise",
+    "emulate",
     "lag",
     "lead",
     "margins",
@@ -110,6 +113,7 @@ _HOMES = {
     ),
     "zoh.analysis.verify": ("Measured", "Verified", "measure", "verify"),
     "zoh.certificate": ("LAWS",),
+    "zoh.emulation": ("Emulated", "emulate"),
     "zoh.errors": ("Infeasible", "NotMet", "AccuracyWarning", "SpecError", "ZohError"),
     "zoh.lti.coherence": ("random_error",),
     "zoh.lti.frequency_response": ("FrequencyResponse", "TabledLoop"),
@@ -119,7 +123,17 @@ _HOMES = {
     "zoh.sampling.hold": ("sample",),
     "zoh.spec": ("Crossover", "Requirements"),
 }
-_ROOMS = ("analysis", "certificate", "checks", "errors", "lti", "pipeline", "sampling", "spec")
+_ROOMS = (
+    "analysis",
+    "certificate",
+    "checks",
+    "emulation",
+    "errors",
+    "lti",
+    "pipeline",
+    "sampling",
+    "spec",
+)
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 del globals()["design"], _laws  # the package stays importable; the name is the function's
 
