@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     )
     from zoh.analysis.verify import Measured, Verified, measure, verify
     from zoh.certificate import LAWS
+    from zoh.clock import SampleTime, SampleTimes, sample_times
     from zoh.emulation import Emulated, emulate
     from zoh.errors import AccuracyWarning, Infeasible, NotMet, SpecError, ZohError
     from zoh.lti.coherence import random_error
@@ -59,6 +60,8 @@ __all__ = [
     "Proof",
     "Requirements",
     "Response",
+    "SampleTime",
+    "SampleTimes",
     "Sampled",
     "SpecError",
     "StepInfo",
@@ -87,6 +90,7 @@ __all__ = [
     "response",
     "response_trace",
     "sample",
+    "sample_times",
     "step_info",
     "trace",
     "undiscretise",
@@ -113,6 +117,7 @@ _HOMES = {
     ),
     "zoh.analysis.verify": ("Measured", "Verified", "measure", "verify"),
     "zoh.certificate": ("LAWS",),
+    "zoh.clock": ("SampleTime", "SampleTimes", "sample_times"),
     "zoh.emulation": ("Emulated", "emulate"),
     "zoh.errors": ("Infeasible", "NotMet", "AccuracyWarning", "SpecError", "ZohError"),
     "zoh.lti.coherence": ("random_error",),

@@ -30,6 +30,8 @@ def test_people_read_the_budget_the_prices_and_the_reasons(good, run):
     for line in ("where the degrees went", "hold, wc dt/2", "controller: integrator"):
         assert line in out
     assert "what the same request would be worth, designed otherwise" in out
+    assert "what another sample time would cost" in out
+    assert "the longest that does is" in out
     assert "most is taken by plant (-135.7 deg) and controller: integrator (-90 deg)" in out
     assert max(len(line) for line in out.splitlines()) <= 100
 
@@ -71,6 +73,7 @@ def test_a_given_controller_and_a_table_have_a_budget_and_no_price(run, capsys):
     for design in json.loads(out)["designs"]:
         assert design["budget"]["items"]
         assert design["prices"] == []
+        assert design["sample_times"] is None
 
 
 def test_a_loop_without_a_crossover_says_so(run):

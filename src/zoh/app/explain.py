@@ -2,16 +2,20 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import pi
+from textwrap import fill
 from typing import Any
 
 import zoh
 from zoh.analysis.budget import Budget, budget
 from zoh.app.commands import Entry, design_all, warnings
-from zoh.app.project import Project, Request
+from zoh.app.project import Given, Project, Request
+from zoh.clock import SampleTimes, sample_times
 from zoh.emulation import Emulated, emulate
 from zoh.lti.systems import Plant
 from zoh.report.text import number
 
+_WIDTH = 100  # columns; a sentence is folded there
 _PRICED = ("wc", "pm_deg")  # what a request must fix before it can be designed in s as well
 
 
@@ -21,12 +25,14 @@ class Explained:
 
     budget    None where there is no loop, or none that crosses a gain of 1
     prices    empty for a controller that was given, and for a plant that is a table
+    clocks    what other sample times cost; None where there are no prices
     reasons   one sentence each
     """
 
     entry: Entry
     budget: Budget | None
     prices: tuple[Emulated, ...]
+    clocks: SampleTimes | None
     reasons: tuple[str, ...]
 
     def to_dict(self) -> dict[str, Any]:
@@ -37,6 +43,7 @@ class Explained:
             "met": self.entry.failure is None,
             "budget": None if self.budget is None else self.budget.to_dict(),
             "prices": [row.to_dict() for row in self.prices],
+            "sample_times": None if self.clocks is None else self.clocks.to_dict(),
             "reasons": list(self.reasons),
         }
 
@@ -49,14 +56,24 @@ def explain_all(project: Project) -> tuple[Explained, ...]:
     )
 
 
-def _explained(project: Project, asked: object, entry: Entry) -> Explained:
+def _explained(project: Project, asked: Request | Given, entry: Entry) -> Explained:
     found = _budget(project, entry)
+    model = _priceable(project, asked)
     return Explained(
         entry=entry,
         budget=found,
-        prices=_prices(project, asked),
+        prices=() if model is None else _prices(project, *model),
+        clocks=None if model is None else _clocks(project, *model),
         reasons=tuple(_reasons(project, entry, found)),
     )
+
+
+def _priceable(project: Project, asked: Request | Given) -> tuple[Plant, Request] | None:
+    """Return what can be made in s and at another clock: a model, and a request that fixes wc."""
+    if not isinstance(project.plant, Plant) or not isinstance(asked, Request):
+        return None
+    fixed = all(name in asked.parameters for name in _PRICED)
+    return (project.plant, asked) if fixed else None
 
 
 def _budget(project: Project, entry: Entry) -> Budget | None:
@@ -66,14 +83,20 @@ def _budget(project: Project, entry: Entry) -> Budget | None:
     return budget(project.plant, law, compute_delay=project.compute_delay)
 
 
-def _prices(project: Project, asked: object) -> tuple[Emulated, ...]:
-    if not isinstance(asked, Request) or not isinstance(project.plant, Plant):
-        return ()
-    if any(name not in asked.parameters for name in _PRICED):
-        return ()
+def _prices(project: Project, plant: Plant, asked: Request) -> tuple[Emulated, ...]:
     return emulate(
-        project.plant, asked.law, asked.parameters, dt=project.dt,
+        plant, asked.law, asked.parameters, dt=project.dt,
         compute_delay=project.compute_delay,
+    )  # fmt: skip
+
+
+def _clocks(project: Project, plant: Plant, asked: Request) -> SampleTimes:
+    """Return what clocks from eight times as fast to as slow as wc allows would cost."""
+    slowest = pi / asked.parameters["wc"]
+    return sample_times(
+        plant, asked.law, asked.parameters, requirements=project.requirements,
+        compute_delay=project.compute_delay,
+        dts=[project.dt * 2.0**k for k in range(-3, 7) if project.dt * 2.0**k < slowest],
     )  # fmt: skip
 
 
@@ -106,7 +129,7 @@ def to_dict(project: Project, explained: Sequence[Explained]) -> Mapping[str, An
 def as_text(project: Project, explained: Sequence[Explained]) -> str:
     """Return the same for people: budget, prices and reasons of each controller."""
     blocks = [_block(e) for e in explained]
-    notes = [f"note: {n}" for n in warnings(project, [e.entry for e in explained])]
+    notes = [_wrapped(f"note: {n}") for n in warnings(project, [e.entry for e in explained])]
     return "\n\n".join([*blocks, *notes])
 
 
@@ -119,8 +142,17 @@ def _block(e: Explained) -> str:
             "what the same request would be worth, designed otherwise",
             *_price_table(e.prices),
         ]
+    if e.clocks is not None:
+        lines += ["what another sample time would cost", *_clock_table(e.clocks)]
     lines += ["why", *(f"  {reason}" for reason in e.reasons)]
-    return "\n".join(lines)
+    return "\n".join(_wrapped(line) for line in lines)
+
+
+def _wrapped(line: str) -> str:
+    """Return a long sentence in lines that a terminal holds; a table's row is never as long."""
+    if len(line) <= _WIDTH:
+        return line
+    return fill(line, _WIDTH, initial_indent="  ", subsequent_indent="    ")
 
 
 def _price_table(rows: Sequence[Emulated]) -> list[str]:
@@ -136,3 +168,18 @@ def _worth(row: Emulated) -> str:
         return row.reason or ""
     end = "" if m.stable else "  UNSTABLE"
     return f"{number(m.phase_margin_deg):>8}  {number(m.crossover):>9}  {number(m.ms):>6}{end}"
+
+
+def _clock_table(found: SampleTimes) -> list[str]:
+    lines = [f"{'dt, s':>10}  {'hold, deg':>9}  {'delay, deg':>10}  {'Ms':>6}  {'bits':>4}"]
+    for row in found.rows:
+        cost = f"{number(row.dt):>10}  {number(row.hold_deg):>9}  {number(row.delay_deg):>10}"
+        bits = number(row.bits)
+        end = "" if row.failure is None else "  not met"
+        lines.append(f"{cost}  {number(row.ms):>6}  {bits:>4}{end}")
+    if found.largest is None:
+        lines.append(f"none of these meets the requirements: {found.limited_by}")
+    else:
+        beyond = "" if found.limited_by is None else f"; beyond it: {found.limited_by}"
+        lines.append(f"the longest that does is {found.largest:.6g} s{beyond}")
+    return [f"  {line}" for line in lines]
