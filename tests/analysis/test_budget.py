@@ -134,8 +134,9 @@ def test_it_adds_up_to_the_measured_margin(corners, at_origin, dt, dead, wait, g
 def test_it_adds_up_on_every_example(file):
     project = read(read_text(str(file)), beside(str(file)))
     measured = [e.measured for e in design_all(project) if e.measured is not None]
-    assert measured
-    for d in measured:
+    crossing = [d for d in measured if d.margins.crossover is not None]  # a P of 1 has none
+    assert crossing
+    for d in crossing:
         b = zoh.budget(project.plant, d.controller, compute_delay=project.compute_delay)
         assert b.phase_margin_deg == d.margins.phase_margin_deg
         assert abs(b.total_deg - d.margins.phase_margin_deg) <= ADDS_UP

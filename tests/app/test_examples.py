@@ -14,10 +14,13 @@ from zoh.app.project import read
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 MET = [
+    "antenna_servo",
     "ball_and_beam",
     "cruise_control",
+    "current_loop",
     "dc_motor_bode",
     "dc_motor_position",
+    "dead_time_process",
     "disk_read_arm",
     "hard_disk_head",
 ]
@@ -97,3 +100,28 @@ def test_the_tuner_that_returns_less_than_it_was_asked_for():
         m = zoh.margins(zoh.Plant(num=gains, den=[1, 3, 3, 1, 0]))
         assert m.crossover == pytest.approx(wc, rel=3e-3)
         assert m.phase_margin_deg == pytest.approx(pm_deg, abs=0.1)
+
+
+def test_the_gain_margin_that_a_plot_of_a_dead_time_gives():
+    m = zoh.margins(zoh.Plant(num=[1], den=[10, 1], dead_time=5))  # in minutes, as the book
+    assert printed(m.gain_margin, "3.8")
+    assert printed(1 / m.gain_margin, "0.26")
+    # by hand: atan(10 w) + 5 w = pi, which the plot's 0.36 misses by 2 %
+    assert np.arctan(10 * m.phase_crossover) + 5 * m.phase_crossover == pytest.approx(np.pi)
+    assert m.phase_crossover == pytest.approx(0.36, rel=0.03)  # read off a plot
+
+
+def test_the_rule_of_one_and_a_half_samples_forgets_the_integral(capsys):
+    dt, inductance, pm = 5e-5, 1e-3, np.radians(60)
+    wc = (np.pi / 2 - pm) / (1.5 * dt)
+    kp, ki = wc * inductance, wc * inductance * wc / 10
+    code, result = outcome(capsys, "design", "current_loop")
+    assert code == 0
+    rule = result["designs"][0]
+    exact = [kp + ki * dt / 2, -kp + ki * dt / 2]
+    assert rule["controller"]["num"] == pytest.approx(exact, rel=1e-5)  # as written, five digits
+    assert printed(rule["margins"]["phase_margin_deg"], "54.9")
+    # what it leaves out is the integral's lag, less what the resistance gives back
+    lag = np.degrees(np.arctan(ki / kp / wc) - np.arctan(0.1 / inductance / wc))
+    # and |L| is 1 a little higher, where 1.5 samples and the integral turn otherwise: 0.3 deg
+    assert rule["margins"]["phase_margin_deg"] == pytest.approx(60 - lag, abs=0.3)

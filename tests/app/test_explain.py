@@ -34,6 +34,9 @@ def test_people_read_the_budget_the_prices_and_the_reasons(good, run):
     assert "the longest that does is" in out
     assert "most is taken by plant (-135.7 deg) and controller: integrator (-90 deg)" in out
     assert max(len(line) for line in out.splitlines()) <= 100
+    arm = zoh.Plant.parse("2.3/(s^2 + 0.7809 s)", sensor=12 / 180)
+    law = zoh.pi(arm, dt=0.1, wc=0.8, pm_deg=40).controller
+    assert zoh.budget(arm, law).report() in out  # as it is, a line for each part
 
 
 def test_scripts_get_one_object(good, run):

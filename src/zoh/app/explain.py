@@ -136,7 +136,7 @@ def as_text(project: Project, explained: Sequence[Explained]) -> str:
 def _block(e: Explained) -> str:
     lines = [f"{e.entry.name}: {e.entry.law}"]
     if e.budget is not None:
-        lines += ["where the degrees went", e.budget.report()]
+        lines += ["where the degrees went", *e.budget.report().splitlines()]
     if e.prices:
         lines += [
             "what the same request would be worth, designed otherwise",
