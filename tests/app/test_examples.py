@@ -22,6 +22,7 @@ MET = [
     "dc_motor_position",
     "dead_time_process",
     "disk_read_arm",
+    "drone_pitch_rate",
     "hard_disk_head",
 ]
 REFUSED = {"third_order_lag": ["fast PI"]}
@@ -125,3 +126,14 @@ def test_the_rule_of_one_and_a_half_samples_forgets_the_integral(capsys):
     lag = np.degrees(np.arctan(ki / kp / wc) - np.arctan(0.1 / inductance / wc))
     # and |L| is 1 a little higher, where 1.5 samples and the integral turn otherwise: 0.3 deg
     assert rule["margins"]["phase_margin_deg"] == pytest.approx(60 - lag, abs=0.3)
+
+
+def test_the_delay_of_a_drone_is_the_peak_of_its_response_and_no_dead_time():
+    # exp(-2 t) sin(5 t) is the impulse response of 5/(s^2 + 4 s + 29); its peak, by hand
+    peak = np.arctan(5 / 2) / 5
+    assert printed(peak, "0.24")
+    t = np.linspace(0, 1, 100_001)
+    assert t[np.argmax(np.exp(-2 * t) * np.sin(5 * t))] == pytest.approx(peak, abs=1e-5)  # the grid
+    late = zoh.Plant(num=[5], den=[1, 4, 29], dead_time=0.25)
+    with pytest.raises(zoh.Infeasible, match="needs -174 deg"):
+        zoh.pid(late, dt=0.02, compute_delay=0.02, wc=10, pm_deg=55, ki=50)

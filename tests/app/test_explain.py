@@ -92,3 +92,11 @@ def test_bad_input_is_one_line(run):
     code, out, err = explained(run, "plant.model = '1/s'")
     assert (code, out) == (2, "")
     assert err.startswith("zoh: error: sampling.dt must be given")
+
+
+def test_a_request_that_leaves_its_crossover_open_has_a_budget_and_no_price(good, run):
+    code, out, _ = explained(run, good.replace('"pi"', '"p"').replace("wc = 0.8\n", ""), "--json")
+    assert code == 0
+    (design,) = json.loads(out)["designs"]
+    assert design["budget"]["phase_margin_deg"] == pytest.approx(40, abs=1e-9)
+    assert design["prices"] == []

@@ -10,6 +10,7 @@ import zoh
 from zoh.analysis.budget import Budget, budget
 from zoh.app.commands import Entry, design_all, warnings
 from zoh.app.project import Given, Project, Request
+from zoh.certificate import LAWS
 from zoh.clock import SampleTimes, sample_times
 from zoh.emulation import Emulated, emulate
 from zoh.lti.systems import Plant
@@ -72,7 +73,8 @@ def _priceable(project: Project, asked: Request | Given) -> tuple[Plant, Request
     """Return what can be made in s and at another clock: a model, and a request that fixes wc."""
     if not isinstance(project.plant, Plant) or not isinstance(asked, Request):
         return None
-    fixed = all(name in asked.parameters for name in _PRICED)
+    needed = (*_PRICED, *LAWS.get(asked.law, ()))
+    fixed = asked.law in LAWS and all(name in asked.parameters for name in needed)
     return (project.plant, asked) if fixed else None
 
 
