@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import zoh.design as _laws  # before the function of the same name below, which it would hide
 
 if TYPE_CHECKING:
+    from zoh.analysis.budget import Budget, budget
     from zoh.analysis.closed import EXCITATIONS
     from zoh.analysis.curves import Trace, trace
     from zoh.analysis.margins import margins
@@ -28,7 +29,9 @@ if TYPE_CHECKING:
     )
     from zoh.analysis.verify import Measured, Verified, measure, verify
     from zoh.certificate import LAWS, OPTIONS
+    from zoh.clock import SampleTime, SampleTimes, sample_times
     from zoh.design.sections import SecondOrder, notch
+    from zoh.emulation import Emulated, emulate
     from zoh.errors import AccuracyWarning, Infeasible, NotMet, SpecError, ZohError
     from zoh.lti.coherence import random_error
     from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
@@ -46,8 +49,10 @@ __all__ = [
     "METHODS",
     "OPTIONS",
     "AccuracyWarning",
+    "Budget",
     "Certificate",
     "Crossover",
+    "Emulated",
     "FrequencyResponse",
     "Infeasible",
     "Margins",
@@ -57,6 +62,8 @@ __all__ = [
     "Proof",
     "Requirements",
     "Response",
+    "SampleTime",
+    "SampleTimes",
     "Sampled",
     "SecondOrder",
     "SpecError",
@@ -68,8 +75,10 @@ __all__ = [
     "Trace",
     "Verified",
     "ZohError",
+    "budget",
     "design",
     "discretise",
+    "emulate",
     "lag",
     "lead",
     "leadlag",
@@ -86,6 +95,7 @@ __all__ = [
     "response",
     "response_trace",
     "sample",
+    "sample_times",
     "step_info",
     "textbook_lag",
     "trace",
@@ -97,6 +107,7 @@ __all__ = [
 # A name is loaded when it is first used: what a script does not need costs it nothing. The
 # imports above say the same to type checkers, and a test compares the two.
 _HOMES = {
+    "zoh.analysis.budget": ("Budget", "budget"),
     "zoh.analysis.closed": ("EXCITATIONS",),
     "zoh.analysis.margins": ("margins",),
     "zoh.analysis.responses": ("Response", "noise_gains", "response", "response_trace"),
@@ -113,6 +124,8 @@ _HOMES = {
     "zoh.analysis.verify": ("Measured", "Verified", "measure", "verify"),
     "zoh.certificate": ("LAWS", "OPTIONS"),
     "zoh.design.sections": ("SecondOrder", "notch"),
+    "zoh.clock": ("SampleTime", "SampleTimes", "sample_times"),
+    "zoh.emulation": ("Emulated", "emulate"),
     "zoh.errors": ("Infeasible", "NotMet", "AccuracyWarning", "SpecError", "ZohError"),
     "zoh.lti.coherence": ("random_error",),
     "zoh.lti.frequency_response": ("FrequencyResponse", "TabledLoop"),
@@ -122,7 +135,17 @@ _HOMES = {
     "zoh.sampling.hold": ("sample",),
     "zoh.spec": ("Crossover", "Requirements"),
 }
-_ROOMS = ("analysis", "certificate", "checks", "errors", "lti", "pipeline", "sampling", "spec")
+_ROOMS = (
+    "analysis",
+    "certificate",
+    "checks",
+    "emulation",
+    "errors",
+    "lti",
+    "pipeline",
+    "sampling",
+    "spec",
+)
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 del globals()["design"], _laws  # the package stays importable; the name is the function's
 

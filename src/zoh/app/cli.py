@@ -93,12 +93,18 @@ def _parser() -> ArgumentParser:
         allow_abbrev=False,
     )
     check.set_defaults(run=_check)
-    for command in (design, check):
+    explain = commands.add_parser(
+        "explain",
+        help="where each margin's degrees went, and what designing in s would have cost",
+        allow_abbrev=False,
+    )
+    explain.set_defaults(run=_explain)
+    for command in (design, check, explain):
         command.add_argument("file", metavar="FILE", help="a project file (TOML)")
     for command in (paper, design):
         command.add_argument("--out", metavar="DIR", help="write a report with figures there")
         command.add_argument("--force", action="store_true", help="let --out replace files")
-    for command in (paper, design, check):
+    for command in (paper, design, check, explain):
         command.add_argument("--json", action="store_true", help="print one JSON object")
     return parser
 
@@ -120,6 +126,18 @@ def _check(arguments: Namespace) -> int:
     entries = check_all(project)
     _show(arguments, project, entries, to_dict(project, entries))
     return _verdict(project, entries)
+
+
+def _explain(arguments: Namespace) -> int:
+    from zoh.app import explain
+
+    project = read(files.read_text(arguments.file), files.beside(arguments.file))
+    explained = explain.explain_all(project)
+    if arguments.json:
+        print(_json(explain.to_dict(project, explained)), end="")
+    else:
+        _console().out(explain.as_text(project, explained))
+    return _verdict(project, [e.entry for e in explained])
 
 
 def _paper(arguments: Namespace) -> int:

@@ -1,0 +1,187 @@
+"""``zoh explain`` without its terminal: where each margin comes from, what it costs otherwise."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import pi
+from textwrap import fill
+from typing import Any
+
+import zoh
+from zoh.analysis.budget import Budget, budget
+from zoh.app.commands import Entry, design_all, warnings
+from zoh.app.project import Given, Project, Request
+from zoh.certificate import LAWS
+from zoh.clock import SampleTimes, sample_times
+from zoh.emulation import Emulated, emulate
+from zoh.lti.systems import Plant
+from zoh.report.text import number
+
+_WIDTH = 100  # columns; a sentence is folded there
+_PRICED = ("wc", "pm_deg")  # what a request must fix before it can be designed in s as well
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Explained:
+    """One controller: where its degrees went, what emulation would cost, why it is as it is.
+
+    budget    None where there is no loop, or none that crosses a gain of 1
+    prices    empty for a controller that was given, and for a plant that is a table
+    clocks    what other sample times cost; None where there are no prices
+    reasons   one sentence each
+    """
+
+    entry: Entry
+    budget: Budget | None
+    prices: tuple[Emulated, ...]
+    clocks: SampleTimes | None
+    reasons: tuple[str, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the JSON form, one entry of ``designs``."""
+        return {
+            "name": self.entry.name,
+            "law": self.entry.law,
+            "met": self.entry.failure is None,
+            "budget": None if self.budget is None else self.budget.to_dict(),
+            "prices": [row.to_dict() for row in self.prices],
+            "sample_times": None if self.clocks is None else self.clocks.to_dict(),
+            "reasons": list(self.reasons),
+        }
+
+
+def explain_all(project: Project) -> tuple[Explained, ...]:
+    """Return every controller of the file, explained."""
+    entries = design_all(project)
+    return tuple(
+        _explained(project, *pair) for pair in zip(project.controllers, entries, strict=True)
+    )
+
+
+def _explained(project: Project, asked: Request | Given, entry: Entry) -> Explained:
+    found = _budget(project, entry)
+    model = _priceable(project, asked)
+    return Explained(
+        entry=entry,
+        budget=found,
+        prices=() if model is None else _prices(project, *model),
+        clocks=None if model is None else _clocks(project, *model),
+        reasons=tuple(_reasons(project, entry, found)),
+    )
+
+
+def _priceable(project: Project, asked: Request | Given) -> tuple[Plant, Request] | None:
+    """Return what can be made in s and at another clock: a model, and a request that fixes wc."""
+    if not isinstance(project.plant, Plant) or not isinstance(asked, Request):
+        return None
+    needed = (*_PRICED, *LAWS.get(asked.law, ()))
+    fixed = asked.law in LAWS and all(name in asked.parameters for name in needed)
+    return (project.plant, asked) if fixed else None
+
+
+def _budget(project: Project, entry: Entry) -> Budget | None:
+    if entry.measured is None or entry.measured.margins.crossover is None:
+        return None
+    law = entry.measured.controller
+    return budget(project.plant, law, compute_delay=project.compute_delay)
+
+
+def _prices(project: Project, plant: Plant, asked: Request) -> tuple[Emulated, ...]:
+    return emulate(
+        plant, asked.law, asked.parameters, dt=project.dt,
+        compute_delay=project.compute_delay,
+    )  # fmt: skip
+
+
+def _clocks(project: Project, plant: Plant, asked: Request) -> SampleTimes:
+    """Return what clocks from eight times as fast to as slow as wc allows would cost."""
+    slowest = pi / asked.parameters["wc"]
+    return sample_times(
+        plant, asked.law, asked.parameters, requirements=project.requirements,
+        compute_delay=project.compute_delay,
+        dts=[project.dt * 2.0**k for k in range(-3, 7) if project.dt * 2.0**k < slowest],
+    )  # fmt: skip
+
+
+def _reasons(project: Project, entry: Entry, found: Budget | None) -> list[str]:
+    """Return what is refused or missed; else what took the most, and how near the limits are."""
+    if entry.measured is None:
+        return [entry.failure or ""]
+    said = [f"missed: {miss}" for miss in entry.measured.misses]
+    if found is None:
+        return [*said, "the gain of the loop is never 1: there is no phase margin to account for"]
+    lost = sorted(found.items, key=lambda item: item.deg)[:2]
+    said.append("most is taken by " + " and ".join(f"{i.name} ({i.deg:+.4g} deg)" for i in lost))
+    late = entry.measured.margins.delay_margin
+    share = number(late / project.dt)
+    said.append(f"the loop bears {number(late)} s more delay, {share} samples")
+    return said
+
+
+def to_dict(project: Project, explained: Sequence[Explained]) -> Mapping[str, Any]:
+    """Return the JSON object of ``zoh explain --json``."""
+    return {
+        "zoh": zoh.__version__,
+        "dt": project.dt,
+        "compute_delay": project.compute_delay,
+        "designs": [e.to_dict() for e in explained],
+        "warnings": list(warnings(project, [e.entry for e in explained])),
+    }
+
+
+def as_text(project: Project, explained: Sequence[Explained]) -> str:
+    """Return the same for people: budget, prices and reasons of each controller."""
+    blocks = [_block(e) for e in explained]
+    notes = [_wrapped(f"note: {n}") for n in warnings(project, [e.entry for e in explained])]
+    return "\n\n".join([*blocks, *notes])
+
+
+def _block(e: Explained) -> str:
+    lines = [f"{e.entry.name}: {e.entry.law}"]
+    if e.budget is not None:
+        lines += ["where the degrees went", *e.budget.report().splitlines()]
+    if e.prices:
+        lines += [
+            "what the same request would be worth, designed otherwise",
+            *_price_table(e.prices),
+        ]
+    if e.clocks is not None:
+        lines += ["what another sample time would cost", *_clock_table(e.clocks)]
+    lines += ["why", *(f"  {reason}" for reason in e.reasons)]
+    return "\n".join(_wrapped(line) for line in lines)
+
+
+def _wrapped(line: str) -> str:
+    """Return a long sentence in lines that a terminal holds; a table's row is never as long."""
+    if len(line) <= _WIDTH:
+        return line
+    return fill(line, _WIDTH, initial_indent="  ", subsequent_indent="    ")
+
+
+def _price_table(rows: Sequence[Emulated]) -> list[str]:
+    width = max(len(row.designed) for row in rows)
+    head = f"{'carried by':<10}  {'PM, deg':>8}  {'at, rad/s':>9}  {'Ms':>6}"
+    lines = [f"{row.designed:<{width}}  {row.method or '':<10}  {_worth(row)}" for row in rows]
+    return [f"  {line}" for line in (f"{'designed':<{width}}  {head}", *lines)]
+
+
+def _worth(row: Emulated) -> str:
+    m = row.margins
+    if m is None:
+        return row.reason or ""
+    end = "" if m.stable else "  UNSTABLE"
+    return f"{number(m.phase_margin_deg):>8}  {number(m.crossover):>9}  {number(m.ms):>6}{end}"
+
+
+def _clock_table(found: SampleTimes) -> list[str]:
+    lines = [f"{'dt, s':>10}  {'hold, deg':>9}  {'delay, deg':>10}  {'Ms':>6}  {'bits':>4}"]
+    for row in found.rows:
+        cost = f"{number(row.dt):>10}  {number(row.hold_deg):>9}  {number(row.delay_deg):>10}"
+        bits = number(row.bits)
+        end = "" if row.failure is None else "  not met"
+        lines.append(f"{cost}  {number(row.ms):>6}  {bits:>4}{end}")
+    if found.largest is None:
+        lines.append(f"none of these meets the requirements: {found.limited_by}")
+    else:
+        beyond = "" if found.limited_by is None else f"; beyond it: {found.limited_by}"
+        lines.append(f"the longest that does is {found.largest:.6g} s{beyond}")
+    return [f"  {line}" for line in lines]

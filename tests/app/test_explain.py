@@ -1,0 +1,102 @@
+"""``zoh explain``: what a person reads, what a script parses, and the exit codes of the others."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+import zoh
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+IMPOSSIBLE = """
+[[controller]]
+name = "their lag"
+law = "lag"
+wc = 3.29
+pm_deg = 40
+dc_gain = 10
+"""
+
+
+def explained(run, text, *more):
+    code, out, err = run(text, *more, verb="explain")
+    return code, out, err
+
+
+def test_people_read_the_budget_the_prices_and_the_reasons(good, run):
+    code, out, err = explained(run, good)
+    assert (code, err) == (0, "")
+    for line in ("where the degrees went", "hold, wc dt/2", "controller: integrator"):
+        assert line in out
+    assert "what the same request would be worth, designed otherwise" in out
+    assert "what another sample time would cost" in out
+    assert "the longest that does is" in out
+    assert "most is taken by plant (-135.7 deg) and controller: integrator (-90 deg)" in out
+    assert max(len(line) for line in out.splitlines()) <= 100
+    arm = zoh.Plant.parse("2.3/(s^2 + 0.7809 s)", sensor=12 / 180)
+    law = zoh.pi(arm, dt=0.1, wc=0.8, pm_deg=40).controller
+    assert zoh.budget(arm, law).report() in out  # as it is, a line for each part
+
+
+def test_scripts_get_one_object(good, run):
+    code, out, err = explained(run, good, "--json")
+    assert (code, err) == (0, "")
+    result = json.loads(out)
+    assert (result["zoh"], result["dt"], result["compute_delay"]) == (zoh.__version__, 0.1, 0.0)
+    (design,) = result["designs"]
+    assert (design["name"], design["law"], design["met"]) == ("PI", "pi", True)
+    total = 180 + sum(item["deg"] for item in design["budget"]["items"])
+    assert total == pytest.approx(design["budget"]["phase_margin_deg"], abs=1e-9)
+    assert total == pytest.approx(40, abs=1e-9)
+    assert [row["method"] for row in design["prices"]][:3] == [None, "tustin", "prewarp"]
+    assert design["prices"][0]["margins"]["phase_margin_deg"] == pytest.approx(40, abs=1e-9)
+
+
+def test_a_refusal_is_its_own_reason(good, run):
+    code, out, err = explained(run, good + IMPOSSIBLE, "--json")
+    assert code == 1
+    assert "1 of 2 controllers fail: their lag" in err
+    refused = json.loads(out)["designs"][1]
+    assert refused["budget"] is None
+    assert not refused["met"]
+    assert "needs +36.07 deg" in refused["reasons"][0]
+    assert "their lag: lag" in explained(run, good + IMPOSSIBLE)[1]
+
+
+def test_what_is_missed_is_said_first(good, run):
+    code, out, _ = explained(run, good + "[requirements]\nms = 1.2\n", "--json")
+    assert code == 1
+    assert json.loads(out)["designs"][0]["reasons"][0].startswith("missed: ms must be at most 1.2")
+
+
+def test_a_given_controller_and_a_table_have_a_budget_and_no_price(run, capsys):
+    given = (EXAMPLES / "robot_arm_as_printed.toml").read_text()
+    _, out, _ = explained(run, given, "--json")
+    for design in json.loads(out)["designs"]:
+        assert design["budget"]["items"]
+        assert design["prices"] == []
+        assert design["sample_times"] is None
+
+
+def test_a_loop_without_a_crossover_says_so(run):
+    text = "plant.model = '1/(s + 1)'\nsampling.dt = 0.1\n[[controller]]\nlaw = 'given'\n"
+    code, out, _ = explained(run, text + "num = [0.5]\nden = [1]\n", "--json")
+    assert code == 0
+    (design,) = json.loads(out)["designs"]
+    assert design["budget"] is None
+    assert "the gain of the loop is never 1" in design["reasons"][0]
+
+
+def test_bad_input_is_one_line(run):
+    code, out, err = explained(run, "plant.model = '1/s'")
+    assert (code, out) == (2, "")
+    assert err.startswith("zoh: error: sampling.dt must be given")
+
+
+def test_a_request_that_leaves_its_crossover_open_has_a_budget_and_no_price(good, run):
+    code, out, _ = explained(run, good.replace('"pi"', '"p"').replace("wc = 0.8\n", ""), "--json")
+    assert code == 0
+    (design,) = json.loads(out)["designs"]
+    assert design["budget"]["phase_margin_deg"] == pytest.approx(40, abs=1e-9)
+    assert design["prices"] == []
