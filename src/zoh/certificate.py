@@ -7,7 +7,7 @@ from math import cos
 import numpy as np
 
 from zoh.analysis.loop import Loop
-from zoh.analysis.margins import measure_loop
+from zoh.analysis.margins import glance
 from zoh.analysis.results import Margins
 from zoh.analysis.stability import closed_loop_stable
 from zoh.analysis.tabled.margins import Seen
@@ -18,6 +18,7 @@ from zoh.design import pid as pid_law
 from zoh.design.target import Response, Target, nearest
 from zoh.errors import Infeasible, SpecError
 from zoh.lti.systems import Sampled
+from zoh.spare import Cost, Line, largest_ki, least_iae, some_ki
 from zoh.spec import Crossover
 
 LAWS: Mapping[str, tuple[str, ...]] = {
@@ -30,8 +31,17 @@ LAWS: Mapping[str, tuple[str, ...]] = {
 }
 """Every law and the parameters it takes."""
 
+OPTIONS: Mapping[str, tuple[str, ...]] = {
+    "pd": ("filter_pole",),
+    "pid": ("filter_pole", "ti_td", "largest_ki_ms", "least_iae_ms"),
+}
+"""What a law takes besides; one of the PID's ``SPARE`` stands for its ki."""
+
+SPARE = ("ki", "ti_td", "largest_ki_ms", "least_iae_ms")
+
 _MARGIN_TOL_DEG = 1e-9  # the promise of this library; the closed forms reach some 1e-13
 _CROSSOVER_TOL = 1e-9  # relative
+_AS_WELL = {"largest_ki_ms": "least_iae_ms"}  # there is one where there is the other
 _SMALL_KI = 1e-3  # times wc/|G|: an integral that is there and turns next to nothing
 
 
@@ -44,14 +54,16 @@ class SolvedLaw:
 
 
 def solved(
-    law: str, sampled: Response, spec: Crossover, parameters: Mapping[str, float]
-) -> SolvedLaw:
+    law: str, sampled: Response, spec: Crossover, parameters: Mapping[str, float],
+    iae: Cost | None = None,
+) -> SolvedLaw:  # fmt: skip
     """Return the law of this name solved at the crossover; raise Infeasible where it cannot be.
 
+    ``iae`` is what ``least_iae_ms`` makes least; without it a PID under that Ms is any such.
     Raises SpecError where the gains it would need are beyond a float.
     """
     try:
-        return _solved(law, sampled, spec, parameters)
+        return _solved(law, sampled, spec, parameters, iae)
     except (OverflowError, ZeroDivisionError):
         raise SpecError(
             "wc", "must be where a float can hold the gains", spec.wc, "use other units"
@@ -59,21 +71,40 @@ def solved(
 
 
 def _solved(
-    law: str, sampled: Response, spec: Crossover, parameters: Mapping[str, float]
-) -> SolvedLaw:
+    law: str, sampled: Response, spec: Crossover, parameters: Mapping[str, float],
+    iae: Cost | None,
+) -> SolvedLaw:  # fmt: skip
     found: p_law.P | pi_law.PI | pid_law.PID | first_order.FirstOrder
     if law == "p":
         found = p_law.solve(sampled, spec)
     elif law == "pi":
         found = pi_law.solve(sampled, spec)
-    elif law in ("pd", "pid"):
-        found = pid_law.solve(sampled, spec, parameters["ki"] if law == "pid" else 0.0)
+    elif law == "pd":
+        found = pid_law.solve(sampled, spec, 0.0, parameters.get("filter_pole"))
+    elif law == "pid":
+        found = _pid(sampled, spec, parameters, iae)
     elif law == "lag":
         found = first_order.lag(sampled, spec, parameters["dc_gain"])
     else:
         found = first_order.lead(sampled, spec, parameters["dc_gain"])
     gains = {k: v for k, v in found.gains.items() if law != "pd" or k != "ki"}
     return SolvedLaw(controller=found.controller(), gains=gains)
+
+
+def _pid(
+    sampled: Response, spec: Crossover, parameters: Mapping[str, float], iae: Cost | None
+) -> pid_law.PID:
+    """Return the PID with its spare freedom closed as the parameters say."""
+    pole = parameters.get("filter_pole")
+    if "ti_td" in parameters:
+        return pid_law.solve_ratio(sampled, spec, parameters["ti_td"], pole)
+    under = {k: parameters[k] for k in ("largest_ki_ms", "least_iae_ms") if k in parameters}
+    for how, ms in under.items():
+        line = Line.of(sampled, spec, ms, pole, lambda m: not off_target(m, spec))
+        if how == "largest_ki_ms":
+            return largest_ki(line)
+        return least_iae(line, iae) if iae else some_ki(line)
+    return pid_law.solve(sampled, spec, parameters["ki"], pole)
 
 
 def least_turn(sampled: Sampled, pm_deg: float) -> float:
@@ -111,7 +142,7 @@ def certified(
 
     def holds(controller: Sampled, at: Crossover) -> bool:
         loop = Loop.of(controller, sampled)
-        return closed_loop_stable(loop) and not off_target(measure_loop(loop), at)
+        return closed_loop_stable(loop) and not off_target(glance(loop), at)
 
     return advised(refused, law, sampled, spec, parameters, holds)
 
@@ -123,8 +154,9 @@ def advised(
     """Return the refusal with all that could be had instead, tried by ``holds``."""
 
     def works(name: str, at: Crossover) -> bool:
+        wanted = {_AS_WELL.get(k, k): v for k, v in parameters.items()}
         try:
-            found = solved(name, sampled, at, {**_free(sampled, at), **parameters})
+            found = solved(name, sampled, at, {**_free(sampled, at), **wanted})
         except (Infeasible, SpecError, OverflowError):  # the last one in what is tried
             return False
         return holds(found.controller, at)

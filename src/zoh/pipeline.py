@@ -9,9 +9,19 @@ from dataclasses import replace
 from typing import overload
 
 from zoh import checks
+from zoh.analysis.load_error import load_iae
 from zoh.analysis.tabled.verify import TableVerified
 from zoh.analysis.verify import NOTHING_ASKED, Verified, measure, verified
-from zoh.certificate import LAWS, SolvedLaw, certified, least_turn, not_as_asked, solved
+from zoh.certificate import (
+    LAWS,
+    OPTIONS,
+    SPARE,
+    SolvedLaw,
+    certified,
+    least_turn,
+    not_as_asked,
+    solved,
+)
 from zoh.choice.choose import AUTO, OF_AUTO, choose
 from zoh.choice.judge import Judge
 from zoh.design import p as p_law
@@ -58,28 +68,45 @@ def pi(
 
 def pd(
     plant: Known, *, dt: float, wc: float | None = None, pm_deg: float | None = None,
-    compute_delay: float = 0.0, requirements: Requirements = NOTHING_ASKED,
+    filter_pole: float | None = None, compute_delay: float = 0.0,
+    requirements: Requirements = NOTHING_ASKED,
 ) -> Design:  # fmt: skip
-    """Return the PD controller kp + kd w/(1 + w dt/2) that crosses over at wc with pm_deg."""
-    given = {"wc": wc, "pm_deg": pm_deg}
+    """Return the PD controller kp + kd w/(1 + w/p) that crosses over at wc with pm_deg.
+
+    p is ``filter_pole`` in rad/s, 2/dt where it is left out.
+    """
+    given = {"wc": wc, "pm_deg": pm_deg, "filter_pole": filter_pole}
     return design(plant, "pd", given, dt=dt, compute_delay=compute_delay, requirements=requirements)
 
 
 def pid(
     plant: Known, *, dt: float, wc: float | None = None, pm_deg: float | None = None,
-    ki: float | None = None, compute_delay: float = 0.0,
-    requirements: Requirements = NOTHING_ASKED,
+    ki: float | None = None, ti_td: float | None = None, largest_ki_ms: float | None = None,
+    least_iae_ms: float | None = None, filter_pole: float | None = None,
+    compute_delay: float = 0.0, requirements: Requirements = NOTHING_ASKED,
 ) -> Design:  # fmt: skip
-    """Return the PID with integral gain ki that crosses over at wc (rad/s) with pm_deg (deg).
+    """Return the PID that crosses over at wc (rad/s) with pm_deg (deg).
 
-    D(w) = kp + ki/w + kd w/(1 + w dt/2), w = (2/dt)(z-1)/(z+1).
+    D(w) = kp + ki/w + kd w/(1 + w/p), w = (2/dt)(z-1)/(z+1); p is ``filter_pole`` in rad/s,
+    2/dt where it is left out. One gain is left free, and exactly one of these closes it:
+
+    ki             the integral gain itself, in u/(y s)
+    ti_td          Ti/Td = kp^2/(ki kd)
+    largest_ki_ms  this bound on Ms, and the largest ki under it
+    least_iae_ms   this bound on Ms, and the least IAE after a load step under it
 
     >>> arm = Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
     >>> d = pid(arm, dt=0.1, wc=1.95, pm_deg=40, ki=0.85)
     >>> round(d.margins.phase_margin_deg, 9), round(d.margins.crossover, 9)
     (40.0, 1.95)
+    >>> d = pid(arm, dt=0.1, wc=1.95, pm_deg=40, largest_ki_ms=1.7)
+    >>> round(d.margins.ms, 6)
+    1.7
     """
-    given = {"wc": wc, "pm_deg": pm_deg, "ki": ki}
+    given = {
+        "wc": wc, "pm_deg": pm_deg, "ki": ki, "ti_td": ti_td, "largest_ki_ms": largest_ki_ms,
+        "least_iae_ms": least_iae_ms, "filter_pole": filter_pole,
+    }  # fmt: skip
     return design(
         plant, "pid", given, dt=dt, compute_delay=compute_delay, requirements=requirements
     )
@@ -149,6 +176,10 @@ def design(
             name=name,
         )  # fmt: skip
     sampled = sample(plant, dt, compute_delay)
+    requirements = _bounded(requirements, parameters)
+
+    def iae(controller: Sampled) -> float:
+        return load_iae(plant, controller, compute_delay)
 
     def checked(found: SolvedLaw, spec: Crossover | None) -> Verified:
         evidence = measure(
@@ -170,7 +201,7 @@ def design(
         return _chosen(judge, law, parameters, name)
     spec = Crossover(wc=parameters["wc"], pm_deg=parameters["pm_deg"])
     try:
-        return checked(solved(law, sampled, spec, parameters), spec)
+        return checked(solved(law, sampled, spec, parameters, iae), spec)
     except Infeasible as refused:
         raise certified(refused, law, sampled, spec, parameters) from None
 
@@ -220,6 +251,14 @@ def _free_p(
     )
 
 
+def _bounded(asked: Requirements, parameters: Mapping[str, float]) -> Requirements:
+    """Return the requirements with the bound on Ms that a search was made under."""
+    bounds = [parameters[k] for k in ("largest_ki_ms", "least_iae_ms") if k in parameters]
+    if not bounds or not isinstance(asked, Requirements):
+        return asked
+    return replace(asked, ms=min(bounds + ([] if asked.ms is None else [asked.ms])))
+
+
 def _checked(law: str, given: Mapping[str, float | None]) -> dict[str, float]:
     """Return the parameters given (None is not given); raise SpecError unless they fit the law."""
     if not isinstance(law, str) or law not in (*LAWS, AUTO):
@@ -227,20 +266,40 @@ def _checked(law: str, given: Mapping[str, float | None]) -> dict[str, float]:
         raise SpecError("law", f"must be one of {names}", law, "choose one of these")
     if not isinstance(given, Mapping):
         raise SpecError("given", "must name the law's parameters", given, '{"wc": 1, "pm_deg": 50}')
-    takes = LAWS.get(law, OF_AUTO)
+    takes = LAWS.get(law, OF_AUTO) + OPTIONS.get(law, ())
     for name, value in given.items():
         if name not in takes:
             raise SpecError(
                 name, f"is no parameter of {law} ({', '.join(takes)})", value, "leave it out"
             )
-    return {k: checks.positive(k, v) for k, v in given.items() if v is not None}
+    parameters = {k: checks.positive(k, v) for k, v in given.items() if v is not None}
+    spare = [name for name in SPARE if name in parameters]
+    if len(spare) > 1:
+        bound = f"must not be given beside {spare[0]}"
+        raise SpecError(spare[1], bound, parameters[spare[1]], "one closes the PID's freedom")
+    for name in ("largest_ki_ms", "least_iae_ms"):
+        if name in parameters:
+            _check_searched(name, parameters)
+    return parameters
+
+
+def _check_searched(name: str, parameters: Mapping[str, float]) -> None:
+    if parameters[name] <= 1:
+        raise SpecError(name, "must be above 1", parameters[name], "1.4 to 2 is usual")
+    for other in OF_AUTO:
+        if other not in parameters:
+            bound = f"must be given with {name}"
+            raise SpecError(other, bound, None, "leave ki open, ask for Requirements(ms=...)")
 
 
 def left_open(law: str, parameters: Mapping[str, float]) -> list[str]:
-    """Return the parameters that were left open; a P has one of two."""
+    """Return the parameters that were left open; a P has one of two, a PID one of ``SPARE``."""
     if law == "p" and parameters:
         return []
-    return ["law"] if law == AUTO else [name for name in LAWS[law] if name not in parameters]
+    if law == AUTO:
+        return ["law"]
+    closed = any(name in parameters for name in SPARE)
+    return [k for k in LAWS[law] if k not in parameters and not (k == "ki" and closed)]
 
 
 def _must_be_given(law: str, name: str) -> SpecError:

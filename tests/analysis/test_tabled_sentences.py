@@ -231,15 +231,17 @@ def test_a_report_to_the_line():
         gains={"kp": 1.0, "ki": 0.5},
     )  # fmt: skip
     head = found.report().splitlines()
-    assert head[:5] == [
+    assert head[:7] == [
         "slow: PI with kp = 1, ki = 0.5",
+        "  standard form: kp = 1, ti = 2",
+        "  series form: k = 1, ti = 2",
         "  D(z) = 1, dt = 0.1 s",
         "  closed loop stable",
         "  phase margin 90 deg at 1 rad/s, gain margin 18.06 dB at no rad/s",
         # pi/2 s; Ms = 1/sqrt(1 + 1/64), Mt = 1/sqrt(1.25)
         "  delay margin 1.571 s, Ms 0.9923, Mt 0.8944 in the table",
     ]
-    assert head[5:-1] == [f"  note: {sentence}" for sentence in found.margins.warnings]
+    assert head[7:-1] == [f"  note: {sentence}" for sentence in found.margins.warnings]
     assert head[-1] == f"  MISSED: {found.misses[0]}"
     assert len(found.misses) == 1
     plain = measured(law=Sampled(num=[9.0], den=[1.0], dt=0.1)).report().splitlines()
@@ -263,6 +265,12 @@ def test_the_json_form_of_evidence():
         "step": None,
         "met": True,
         "misses": [],
+        "forms": {
+            "parallel": {"kp": 1.0},
+            "standard": {"kp": 1.0},
+            "series": {"k": 1.0},
+            "refused": {},
+        },
     }
 
 

@@ -25,6 +25,8 @@ def fields(found):
 # y = 1 - 2^-k at the samples: 10 % at 1, 90 % at 4, 2 % at 6.
 REPORT = """\
 half: p with kp = 0.5, ki = 1
+  standard form: kp = 0.5, ti = 0.5
+  series form: k = 0.5, ti = 0.5
   D(z) = 0.5, dt = 1 s
   closed loop stable
   phase margin 75.5225 deg at 0.505361 rad/s, gain margin 12.04 dB at 3.14159 rad/s
@@ -56,7 +58,7 @@ def test_a_report_of_an_unstable_loop():
         "  D(z) = 3, dt = 1 s\n"
         "  closed loop UNSTABLE\n"
         "  phase margin inf deg at no rad/s, gain margin -3.522 dB at 3.14159 rad/s\n"
-        "  delay margin inf s, Ms 2, Mt 3, bandwidth no rad/s\n"
+        "  delay margin 0 s, Ms 2, Mt 3, bandwidth no rad/s\n"
         "  proved: stability, every crossing, every peak\n"
         "  MISSED: the closed loop is unstable"
     )
@@ -107,6 +109,10 @@ def test_the_dictionary_by_hand():
         "name": "p", "law": "p", "feasible": True, "reason": None, "gains": {"kp": -2.0},
         "controller": controller, "met": True, "misses": [], "noise_gain": None,
         "choice": None,
+        "forms": {
+            "parallel": {"kp": -2.0}, "standard": {"kp": -2.0}, "series": {"k": -2.0},
+            "refused": {},
+        },
     }  # fmt: skip
     unstable = measure(INTEGRATOR, backwards).to_dict()
     assert unstable["step"] is None

@@ -185,7 +185,7 @@ def test_the_ends_of_an_interval_are_not_inside():
     assert not target.inside(None)
 
 
-# phases: by hand at v = 2, dt = 1 (x = 1), |G| = 1/sqrt 2
+# phases: by hand at v = 2, dt = 1 (x = v/p = 1), |G| = 1/sqrt 2
 
 
 def test_phases_by_hand():
@@ -194,15 +194,15 @@ def test_phases_by_hand():
     low, high = p.phases(target)
     assert low == -high
     assert 0 < high < 1e-9
-    assert pid.phases(target, 0.0) == pytest.approx((0, pi / 4), abs=1e-15)
+    assert pid.phases(target, 0.0, 0.5) == pytest.approx((0, pi / 4), abs=1e-15)
     # k = ki/sqrt 8: the sine ends at k = 1, the cosine's reach k/sqrt 2 = ki/4 at ki = 4
-    assert pid.phases(target, 4.0) is None
-    assert pid.phases(target, 3.999) is not None
+    assert pid.phases(target, 4.0, 0.5) is None
+    assert pid.phases(target, 3.999, 0.5) is not None
     # x = 3/4, k = 5/3: the reach is (3/4)(5/3)/(5/4) = 1
-    assert pid.phases(Target(v=1.5, size=1.0, theta=0.1, dt=1.0), 2.5) is None
+    assert pid.phases(Target(v=1.5, size=1.0, theta=0.1, dt=1.0), 2.5, 0.5) is None
     for ki in (2.9, 3.0):  # asin k = 90 deg at sqrt 8 = 2.83, and none is needed above
         turn = [-_acos(ki / 4) - pi / 4, _acos(ki / 4) - pi / 4]
-        assert pid.phases(target, ki) == pytest.approx(turn, abs=1e-14)
+        assert pid.phases(target, ki, 0.5) == pytest.approx(turn, abs=1e-14)
     half = Target(v=2.0, size=0.5, theta=0.1, dt=1.0)  # a0 |G| = 1 is neither above nor below
     assert first_order.lead_phases(half, 2.0) is None
     assert first_order.lag_phases(half, 2.0) is None

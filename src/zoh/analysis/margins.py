@@ -23,7 +23,7 @@ from zoh.analysis.proof import Found, Look, Peak, proved
 from zoh.analysis.results import Margins, Proof
 from zoh.analysis.rounding import doubts
 from zoh.analysis.sparse import Sparse
-from zoh.analysis.squares import ON_DEN, ON_NUM, ON_OPPOSITE, Below, Squares
+from zoh.analysis.squares import LONG, ON_DEN, ON_NUM, ON_OPPOSITE, Below, Squares
 from zoh.analysis.stability import decided
 from zoh.errors import warn
 from zoh.lti import poly
@@ -33,6 +33,7 @@ from zoh.lti.systems import Plant, Sampled
 _TOUCHES = 4e-15  # |L| this near to 1 at an end of the axis is 1: a few roundings, and
 _AT_A_ROOT = 1e-13  # of its terms: what num conj den is, in floats, at a root of num or den
 _ON_IT_DEG = 1e-12  # a margin this small is 0: a few roundings of the angle
+_CHEAP = 2.5  # samples of delay up to which a proof costs less than a look from close by
 _TINY = 1e-290  # a product below it has lost digits
 _BLUR = 1e-6  # the crossing they make up this near to it (|L| is flat there) is none
 
@@ -78,6 +79,21 @@ def measure_loop(loop: Loop) -> Margins:
     return replace(found, warnings=told) if told else found
 
 
+def glance(loop: Loop) -> Margins:
+    """Return what ``measure_loop`` does; where a delay makes proofs dear, a look from close by.
+
+    For a search, the answer of which is measured anew. Raises SpecError beyond floats.
+    """
+    try:
+        if loop.dead_time <= _CHEAP * (loop.dt or 0.0):
+            return _looked_at(loop)
+        with np.errstate(all="ignore"):
+            squares = Squares.of(loop)
+            return _measured(loop, squares, Close.of(loop, squares), decided(loop), prove=False)
+    except OverflowError:
+        raise out_of_range([*loop.num, *loop.den]) from None
+
+
 def _looked_at(loop: Loop) -> Margins:
     """Return what a sparse look shows where it is proved to be all, else what a close one does."""
     with np.errstate(all="ignore"):  # what overflows is asked for afterwards
@@ -85,9 +101,15 @@ def _looked_at(loop: Loop) -> Margins:
         stable = decided(loop)
         look = Sparse.of(loop, squares)
         found = _measured(loop, squares, look, stable) if look else None
-        if found is None or found.certificate is None or not found.certificate.holds:
+        if found is None or not _holds(found):
+            found = _measured(loop, squares, Close.of(loop, squares), stable)
+        if not _holds(found) and not squares.whole and (squares := Squares.of(loop, LONG)).whole:
             found = _measured(loop, squares, Close.of(loop, squares), stable)
         return found
+
+
+def _holds(m: Margins) -> bool:
+    return m.certificate is not None and m.certificate.holds
 
 
 def _unproved(m: Margins) -> tuple[str, ...]:
@@ -98,8 +120,9 @@ def _unproved(m: Margins) -> tuple[str, ...]:
 
 
 def _measured(
-    loop: Loop, squares: Squares, look: Look, decision: tuple[bool | None, Proof]
-) -> Margins:
+    loop: Loop, squares: Squares, look: Look, decision: tuple[bool | None, Proof],
+    *, prove: bool = True,
+) -> Margins:  # fmt: skip
     """Return everything that a look at the loop shows, with the proof that it is everything."""
     stable, why = decision
     unities, turns, drops = look.unities(), look.turns(), look.drops()
@@ -107,7 +130,7 @@ def _measured(
     by_gain = _gain_crossings(loop, squares, unities, by_phase)
     peaks = [peak(loop, squares, look, below) for below in (ON_DEN, ON_NUM, ON_OPPOSITE)]
     found = Found(unities, turns, drops, peaks)
-    certificate = proved(loop, squares, look, found, stable=why)
+    certificate = proved(loop, squares, look, found, stable=why) if prove else None
     nearest_gain = min(by_phase, key=lambda c: abs(log(c[1])), default=(None, inf))
     nearest_phase = min(by_gain, key=lambda c: abs(c[1]), default=(None, inf))
     modulus, complementary, disk = peaks

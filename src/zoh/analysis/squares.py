@@ -21,7 +21,8 @@ from zoh.lti import whole
 from zoh.lti.whole import Whole
 
 DROP = 10**-0.3  # -3 dB of |T|^2: where the bandwidth ends
-SHORT = 12  # samples of delay that are multiplied in: more of them cost more than a grid does
+SHORT = 6  # samples of delay that are multiplied in: more of them cost more than a grid does
+LONG = 12  # samples of delay that are multiplied in where a grid has proved too little
 
 Below = tuple[float, float]  # what |D + N| is measured against: |b D + a N| as (b, a)
 ON_DEN: Below = (1.0, 0.0)
@@ -52,13 +53,13 @@ class Squares:
     whole: bool
 
     @classmethod
-    def of(cls, loop: Loop) -> "Squares":
-        """Return the polynomials of a loop, the delay multiplied in where it is ``SHORT``."""
+    def of(cls, loop: Loop, most: int = SHORT) -> "Squares":
+        """Return the polynomials of a loop, up to ``most`` samples of delay multiplied in."""
         num, den = loop.exact
         m = 0
         if loop.dead_time and loop.dt is not None:
             m = round(loop.dead_time / loop.dt)
-            if m <= SHORT:
+            if m <= most:
                 half, one = (loop.dt / 2).as_integer_ratio()
                 num = whole.times(num, whole.power((-half, one), m))
                 den = whole.times(den, whole.power((half, one), m))
@@ -79,7 +80,7 @@ class Squares:
             turn=whole.plus(whole.times(num_odd, den_even), whole.times(num_even, den_odd), -1),
             drop=drop,
             level=level,
-            whole=not loop.dead_time or 0 < m <= SHORT,
+            whole=not loop.dead_time or 0 < m <= most,
         )
 
     def below(self, which: Below) -> Whole:

@@ -20,6 +20,7 @@ from zoh.analysis.results import Choice, Gains, Margins, StepInfo
 from zoh.analysis.stability import closed_loop_stable
 from zoh.analysis.step import closed_loop_step
 from zoh.errors import NotMet, SpecError, warn
+from zoh.lti.forms import forms, sentences
 from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.systems import Plant, Sampled
 from zoh.lti.written import fraction, number
@@ -66,6 +67,11 @@ class Measured:
         return self.controller.dt
 
     @property
+    def forms(self) -> dict[str, Any]:
+        """Return the gains in parallel, standard and series form; {} for a law without kp."""
+        return forms(self.gains)
+
+    @property
     def loop(self) -> Sampled:
         """Return the open loop, controller times sampled plant."""
         return self.controller * self.sampled
@@ -83,6 +89,7 @@ class Measured:
             "feasible": True,
             "reason": None,
             "gains": dict(self.gains),
+            "forms": self.forms,
             "controller": {
                 "num": list(self.controller.num),
                 "den": list(self.controller.den),
@@ -112,6 +119,7 @@ class Measured:
         controller = fraction(self.controller.num, self.controller.den, "z")
         lines = [
             f"{self.name}: {self.law}" + (f" with {gains}" if gains else ""),
+            *(f"  {sentence}" for sentence in sentences(self.gains)),
             f"  D(z) = {controller}, dt = {self.dt:g} s",
             f"  closed loop {'stable' if m.stable else 'UNSTABLE'}",
             f"  phase margin {m.phase_margin_deg:.6g} deg at {_or_none(m.crossover)} rad/s,"

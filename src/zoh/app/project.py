@@ -12,7 +12,7 @@ from zoh.app.kinds import KINDS
 from zoh.app.measured import read_table
 from zoh.app.plants import is_table, output_unit, read_plant
 from zoh.app.toml import Literal, Section, tables, within
-from zoh.certificate import LAWS
+from zoh.certificate import LAWS, OPTIONS
 from zoh.choice.choose import AUTO, OF_AUTO
 from zoh.errors import SpecError
 from zoh.lti.frequency_response import FrequencyResponse
@@ -208,7 +208,7 @@ def _controller(entry: Section, dt: float) -> Request | Given:
     named = Section(path=f'controller "{name}": ', data=entry.data)
     if law == GIVEN:
         return _given(named, name, dt)
-    takes = LAWS.get(law, OF_AUTO)
+    takes = LAWS.get(law, OF_AUTO) + OPTIONS.get(law, ())
     named.only(["name", "law", *takes])
     found = {key: named.number(key) for key in takes}
     parameters = {key: float(value) for key, value in found.items() if value is not None}

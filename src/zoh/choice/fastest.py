@@ -15,7 +15,7 @@ import numpy as np
 
 from zoh.certificate import solved
 from zoh.choice.climb import Height, HighEnough, Point, climb, grid, tops
-from zoh.choice.freedom import SECOND, Freedom
+from zoh.choice.freedom import Freedom, second_is_open
 from zoh.choice.judge import Judge, Judgement
 from zoh.choice.sieve import Sieve
 from zoh.errors import Infeasible
@@ -173,7 +173,7 @@ class Search:
 
 def coordinates(law: str, fixed: Mapping[str, float]) -> int:
     """Return how many coordinates a law has at a crossover."""
-    return (law != "p" and "pm_deg" not in fixed) + (law in SECOND and SECOND[law] not in fixed)
+    return (law != "p" and "pm_deg" not in fixed) + second_is_open(law, fixed)
 
 
 def _ends(sampled: Sampled) -> tuple[float, float]:

@@ -31,6 +31,7 @@ class Freedom:
     pm      deg, the least and the largest margin; equal where it is given or cannot be chosen
     fixed   the parameters that are given
     size    how many coordinates there are
+    tau     s, the time constant of a PD's and PID's derivative
     """
 
     law: str
@@ -40,6 +41,7 @@ class Freedom:
     pm: tuple[float, float]
     fixed: Mapping[str, float]
     size: int
+    tau: float
 
     @classmethod
     def of(
@@ -57,10 +59,11 @@ class Freedom:
             pm = _margins(_turns(law, target, fixed), turn_deg, fixed, least_pm)
         if pm is None:
             return None
-        second = law in SECOND and SECOND[law] not in fixed
+        second = second_is_open(law, fixed)
+        tau = pid_law.time_constant(fixed.get("filter_pole"), sampled.dt)
         return cls(
             law=law, target=target, turn_deg=turn_deg, wc=wc, pm=pm, fixed=fixed,
-            size=(pm[0] < pm[1]) + second,
+            size=(pm[0] < pm[1]) + second, tau=tau,
         )  # fmt: skip
 
     def parameters(self, x: Sequence[float]) -> dict[str, float]:
@@ -79,7 +82,7 @@ class Freedom:
         """Return the second parameter and its value at a coordinate, the law turning by theta."""
         target, c = self.target, cos(theta)
         if self.law == "pid":
-            low, high = _integrals(target, theta)
+            low, high = _integrals(target, theta, self.tau)
             share = (exp(_WIDE * x) - 1) / (exp(_WIDE) - 1)  # finest at the least ki
             return "ki", (low + (high - low) * share) * target.v / target.size
         share = 1 / (1 + exp(_WIDE * (1 - 2 * x)))  # finest at both ends of (0, 1)
@@ -89,14 +92,14 @@ class Freedom:
         return "dc_gain", (1 / (c + slow) + (c - 1 / (c + slow)) * share) / target.size
 
 
-def _integrals(target: Target, theta: float) -> tuple[float, float]:
+def _integrals(target: Target, theta: float, tau: float) -> tuple[float, float]:
     """Return the least and the largest ki |G|/v of a PID that turns by theta.
 
-    With k = ki |G|/v, x = v dt/2 and c = cos(theta) - x sin(theta) the numerator of
-    kp + ki/w + kd w/(1 + w dt/2), in units of w/v, is ((x cos(theta) + sin(theta) + k), c, k). A
+    With k = ki |G|/v, x = v tau and c = cos(theta) - x sin(theta) the numerator of
+    kp + ki/w + kd w/(1 + w tau), in units of w/v, is ((x cos(theta) + sin(theta) + k), c, k). A
     zero at -q or a pair of size q bounds k from below, as kd > 0 does; kp > 0 does from above.
     """
-    x, q = target.v * target.dt / 2, SLOWEST
+    x, q = target.v * tau, SLOWEST
     c, lead = cos(theta) - x * sin(theta), x * cos(theta) + sin(theta)
     real, pair = (q * c - q * q * lead) / (1 + q * q), q * q * lead / (1 - q * q)
     low = max(-sin(theta), real, pair) * (1 + _INSET)
@@ -106,17 +109,23 @@ def _integrals(target: Target, theta: float) -> tuple[float, float]:
 SECOND = {"pid": "ki", "lag": "dc_gain", "lead": "dc_gain"}
 
 
+def second_is_open(law: str, fixed: Mapping[str, float]) -> bool:
+    """Return whether the law has a second parameter that nothing given closes."""
+    return law in SECOND and SECOND[law] not in fixed and "ti_td" not in fixed
+
+
 def _turns(law: str, target: Target, fixed: Mapping[str, float]) -> tuple[float, float] | None:
     """Return the interval of phases in rad that the law can give, any second parameter."""
-    x, q = target.v * target.dt / 2, SLOWEST
+    tau, q = pid_law.time_constant(fixed.get("filter_pole"), target.dt), SLOWEST
+    x = target.v * tau
     if law == "pi":
         return -pi / 2, -atan(q)
     if law == "pd":
-        low, high = pid_law.phases(target, 0.0) or (0.0, 0.0)
+        low, high = pid_law.phases(target, 0.0, tau) or (0.0, 0.0)
         return low, min(high, atan(1 / q) - atan(x))
     if law == "pid":
         if "ki" in fixed:
-            return pid_law.phases(target, fixed["ki"])
+            return pid_law.phases(target, fixed["ki"], tau)
         return -pi / 2, atan((1 - q * q) / x - q * q * x)
     given = fixed.get("dc_gain")
     if law == "lag":

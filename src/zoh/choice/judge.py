@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from zoh.analysis.asked import Compared, of_margins, of_time
 from zoh.analysis.loop import Loop
-from zoh.analysis.margins import measure_loop
+from zoh.analysis.margins import glance
 from zoh.analysis.responses import noise_gains
 from zoh.analysis.stability import closed_loop_stable
 from zoh.analysis.step import closed_loop_step
@@ -54,7 +54,7 @@ class Judge:
             return Judgement(slack=-4.0, failed=str(refused))
         if not closed_loop_stable(loop):
             return Judgement(slack=-3.0, failed="the closed loop is unstable")
-        margins = measure_loop(loop)
+        margins = glance(loop)
         if off_target(margins, spec):
             return Judgement(slack=-2.0, failed="the margin is smaller at another crossover")
         rows = of_margins(self.requirements, margins)

@@ -1,17 +1,21 @@
 """PID and PD controllers, solved exactly at one crossover.
 
-    D(w) = kp + ki/w + kd w/(1 + w dt/2)
+    D(w) = kp + ki/w + kd w/(1 + w/p)
 
-The derivative's pole at 2/dt is the pole at z = 0 of kd (z - 1)/(dt z). With x = v dt/2 the
-derivative is kd v (x + j)/(1 + x^2) at w = j v, so ki leaves two real equations for kp and kd.
+The derivative's pole p is any; 2/dt, the usual one, is the pole at z = 0 of kd (z - 1)/(dt z).
+With x = v/p the derivative is kd v (x + j)/(1 + x^2) at w = j v, so that one gain is left free:
+with b = kd v/(1 + x^2) every PID of this crossover is
+
+    kp = cos(theta)/|G| - x b        ki = v (b - sin(theta)/|G|)        kd = b (1 + x^2)/v
+
 Source: C. L. Phillips and H. T. Nagle, Digital Control System Analysis and Design, the section
 on PID controllers (the derivative with a pole, real and imaginary parts matched at the
-phase-margin frequency).
+phase-margin frequency); K. J. Astrom and T. Hagglund, Advanced PID Control, ch. 6 (Ti/Td = 4).
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import acos, asin, atan, cos, hypot, pi, sin
+from math import acos, asin, atan, cos, hypot, inf, pi, sin, sqrt
 
 from zoh.design.target import Phases, Response, Target, refusal
 from zoh.lti.systems import Sampled
@@ -20,35 +24,49 @@ from zoh.spec import Crossover
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PID:
-    """Gains in the w-plane: kp in u/y, ki in u/(y s), kd in u s/y; dt in s. A PD has ki = 0."""
+    """Gains in the w-plane: kp in u/y, ki in u/(y s), kd in u s/y; dt in s. A PD has ki = 0.
+
+    filter_pole  rad/s, the derivative's pole is at w = -filter_pole
+    """
 
     kp: float
     ki: float
     kd: float
+    filter_pole: float
     dt: float
 
     @property
     def gains(self) -> Mapping[str, float]:
         """Return the gains by name."""
-        return {"kp": self.kp, "ki": self.ki, "kd": self.kd}
+        return {"kp": self.kp, "ki": self.ki, "kd": self.kd, "filter_pole": self.filter_pole}
 
     def controller(self) -> Sampled:
-        """Return kp + ki/w + kd w/(1 + w dt/2); without the integrator where ki is 0."""
-        half, lead = self.dt / 2, self.kp * self.dt / 2 + self.kd
+        """Return kp + ki/w + kd w/(1 + w/p); without the integrator where ki is 0."""
+        tau = time_constant(self.filter_pole, self.dt)
+        lead = self.kp * tau + self.kd
         if self.ki == 0:
-            return Sampled.from_w(num_w=(lead, self.kp), den_w=(half, 1.0), dt=self.dt)
+            return Sampled.from_w(num_w=(lead, self.kp), den_w=(tau, 1.0), dt=self.dt)
         return Sampled.from_w(
-            num_w=(lead, self.kp + self.ki * half, self.ki), den_w=(half, 1.0, 0.0), dt=self.dt
+            num_w=(lead, self.kp + self.ki * tau, self.ki), den_w=(tau, 1.0, 0.0), dt=self.dt
         )
 
 
-def phases(target: Target, ki: float) -> Phases:
+def time_constant(filter_pole: float | None, dt: float) -> float:
+    """Return 1/p in s; dt/2 to the last bit where p is 2/dt or is left open.
+
+    >>> time_constant(None, 0.1), time_constant(2 / 0.1, 0.1), time_constant(50.0, 0.1)
+    (0.05, 0.05, 0.02)
+    """
+    return dt / 2 if filter_pole is None or filter_pole == 2 / dt else 1 / filter_pole
+
+
+def phases(target: Target, ki: float, tau: float) -> Phases:
     """Return the phases that a PID with this ki and positive kp and kd can give.
 
     With k = ki |G|/v: kd > 0 where sin(theta) > -k; kp > 0 where
     cos(theta) - x sin(theta) > x k, that is cos(theta + atan x) > x k/sqrt(1 + x^2).
     """
-    x, k = target.v * target.dt / 2, ki * target.size / target.v
+    x, k = target.v * tau, ki * target.size / target.v
     reach = x * k / hypot(1.0, x)
     if reach >= 1:
         return None
@@ -56,10 +74,32 @@ def phases(target: Target, ki: float) -> Phases:
     return max(low, -acos(reach) - atan(x)), acos(reach) - atan(x)
 
 
-def solve(plant: Response, spec: Crossover, ki: float) -> PID:
+def phases_of_any(target: Target, tau: float) -> Phases:
+    """Return the phases that a PID of any positive gains can give: (-90, 90 - atan x) deg."""
+    return -pi / 2, pi / 2 - atan(target.v * tau)
+
+
+def room(target: Target, tau: float) -> tuple[float, float] | None:
+    """Return the open interval of ki in which kp and kd are positive, None where it is empty.
+
+    kd > 0 from -v sin(theta)/|G| on, kp > 0 up to v (cos(theta)/x - sin(theta))/|G|.
+
+    >>> target = Target(v=2.0, size=0.5, theta=0.0, dt=1.0)
+    >>> room(target, 0.5)  # x = 1
+    (0.0, 4.0)
+    """
+    if not target.inside(phases_of_any(target, tau)):
+        return None
+    x, unit = target.v * tau, target.v / target.size
+    low = max(0.0, -unit * sin(target.theta))
+    high = unit * (cos(target.theta) / x - sin(target.theta)) if x else inf
+    return (low, high) if low < high else None
+
+
+def solve(plant: Response, spec: Crossover, ki: float, filter_pole: float | None = None) -> PID:
     """Return the PID with this ki whose loop crosses 1 at ``spec.wc`` with ``spec.pm_deg``.
 
-    With v, |G| and theta of ``Target``, and x = v dt/2::
+    With v, |G| and theta of ``Target``, and x = v/p, p the filter's pole, 2/dt where left open::
 
         kd = (sin(theta)/|G| + ki/v) (1 + x^2)/v
         kp = cos(theta)/|G| - x (sin(theta)/|G| + ki/v)
@@ -69,19 +109,51 @@ def solve(plant: Response, spec: Crossover, ki: float) -> PID:
 
     >>> plant = Sampled(num=(1.0,), den=(1.0, -1.0), dt=1.0)
     >>> solve(plant, Crossover(wc=pi / 2, pm_deg=45), ki=1.0)  # theta = 0, v = 2, x = 1
-    PID(kp=0.914213..., ki=1.0, kd=0.5..., dt=1.0)
+    PID(kp=0.914213..., ki=1.0, kd=0.5..., filter_pole=2.0, dt=1.0)
     """
-    target = Target.of(plant, spec)
-    able = phases(target, ki)
+    target, tau = Target.of(plant, spec), time_constant(filter_pole, plant.dt)
+    able = phases(target, ki, tau)
     if not target.inside(able):
-        raise refusal(_name(ki), target, spec, able, _no_room(target))
-    x = target.v * target.dt / 2
+        raise refusal(_name(ki), target, spec, able, _no_room(target, tau))
+    return _with_ki(target, ki, filter_pole)
+
+
+def solve_ratio(
+    plant: Response, spec: Crossover, ti_td: float, filter_pole: float | None = None
+) -> PID:
+    """Return the PID whose Ti/Td = kp^2/(ki kd) is given, on target as ``solve`` is.
+
+    In b it is the quadratic (a - x b)^2 = r (1 + x^2) b (b - s), a = cos(theta)/|G|,
+    s = sin(theta)/|G|: the left side falls to 0 and the right side rises from 0 over the b of
+    positive gains, so exactly one root is there. Raises as ``solve`` does.
+
+    >>> plant = Sampled(num=(1.0,), den=(1.0, -1.0), dt=1.0)
+    >>> d = solve_ratio(plant, Crossover(wc=pi / 2, pm_deg=45), ti_td=4.0)
+    >>> round(d.kp**2 / (d.ki * d.kd), 12)
+    4.0
+    """
+    target, tau = Target.of(plant, spec), time_constant(filter_pole, plant.dt)
+    able = phases_of_any(target, tau)
+    if not target.inside(able):
+        raise refusal("a PID with positive gains", target, spec, able, "")
+    x, r = target.v * tau, ti_td * (1 + (target.v * tau) ** 2)
+    a, s = cos(target.theta) / target.size, sin(target.theta) / target.size
+    square, line = x * x - r, r * s - 2 * a * x
+    root = sqrt(line * line - 4 * square * a * a)
+    # the positive root without cancellation; where both are positive this is the smaller one
+    b = 2 * a * a / (root - line) if line <= 0 else (line + root) / (-2 * square)
+    return _with_ki(target, target.v * (b - s), filter_pole)
+
+
+def _with_ki(target: Target, ki: float, filter_pole: float | None) -> PID:
+    x = target.v * time_constant(filter_pole, target.dt)
     imaginary = sin(target.theta) / target.size + ki / target.v
     return PID(
         kp=cos(target.theta) / target.size - x * imaginary,
         ki=ki,
         kd=imaginary * (1 + x * x) / target.v,
-        dt=plant.dt,
+        filter_pole=2 / target.dt if filter_pole is None else filter_pole,
+        dt=target.dt,
     )
 
 
@@ -89,8 +161,8 @@ def _name(ki: float) -> str:
     return f"a PID with ki = {ki:g} and positive kp and kd" if ki else "a PD with positive gains"
 
 
-def _no_room(target: Target) -> str:
+def _no_room(target: Target, tau: float) -> str:
     """Return why there is no positive kp: at w = j v the integral's share is too large."""
-    x = target.v * target.dt / 2
+    x = target.v * tau
     most = target.v * hypot(1.0, x) / (x * target.size)
     return f"has no positive kp here: its ki must be below {most:.4g}"

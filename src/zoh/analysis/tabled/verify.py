@@ -21,6 +21,7 @@ from zoh.analysis.tabled.path import Path
 from zoh.analysis.tabled.results import TableMargins
 from zoh.analysis.verify import Measured, labels
 from zoh.errors import NotMet, SpecError
+from zoh.lti.forms import forms, sentences
 from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
 from zoh.lti.systems import Sampled, sample_time
 from zoh.lti.written import fraction, number
@@ -61,6 +62,11 @@ class TableMeasured:
         return self.controller.dt
 
     @property
+    def forms(self) -> dict[str, Any]:
+        """Return the gains in parallel, standard and series form; {} for a law without kp."""
+        return forms(self.gains)
+
+    @property
     def loop(self) -> TabledLoop:
         """Return the open loop, controller times table."""
         return self.controller * self.sampled
@@ -83,6 +89,7 @@ class TableMeasured:
             "feasible": True,
             "reason": None,
             "gains": dict(self.gains),
+            "forms": self.forms,
             "controller": {
                 "num": list(self.controller.num),
                 "den": list(self.controller.den),
@@ -104,6 +111,7 @@ class TableMeasured:
         verdict = {True: "stable", False: "UNSTABLE", None: "NOT DECIDED by the table"}[m.stable]
         lines = [
             f"{self.name}: {self.law}" + (f" with {gains}" if gains else ""),
+            *(f"  {sentence}" for sentence in sentences(self.gains)),
             f"  D(z) = {controller}, dt = {self.dt:g} s",
             f"  closed loop {verdict}",
             f"  phase margin {m.phase_margin_deg:.6g} deg at {_or_none(m.crossover)} rad/s,"
