@@ -15,6 +15,12 @@ PLANT = zoh.Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
 LAW = zoh.Sampled(num=[0.5, -0.4], den=[1, -0.1], dt=0.1)
 ASKED = {"dt": 0.1, "wc": 1.95, "pm_deg": 40}
 LOOP = {"plant": PLANT, "controller": LAW, "compute_delay": 0.0}
+ROWS = {"w": [0.5, 1, 2], "magnitude": [2, 1, 0.5], "phase_deg": [-90, -90, -90]}
+SERVO = zoh.FrequencyResponse(**ROWS)  # 1/s
+TABLE = zoh.FrequencyResponse(**ROWS, dt=0.1, uncertainty=0.01, neglected=0.01)
+HELD = {"plant": TABLE, "controller": zoh.Sampled(num=[1], den=[1], dt=0.1), "compute_delay": 0.0}
+LABELS = {"requirements": zoh.Requirements(), "law": "p", "gains": {"kp": 1.0}, "name": "a"}
+SURE = {"dt": 0.1, "uncertainty": [0.1, 0.1, 0.1], "unstable_poles": 0}
 CALLS = {
     "Plant": (zoh.Plant, {"num": [1], "den": [1, 1], "dead_time": 0.0, "sensor": 1.0}),
     "Plant.parse": (zoh.Plant.parse, {"text": "1/(s+1)", "dead_time": 0.0, "sensor": 1.0}),
@@ -43,14 +49,36 @@ CALLS = {
     ),
     "measure": (
         zoh.measure,
-        {**LOOP, "dt": 0.1, "requirements": zoh.Requirements(), "reference": 1.0, "law": "p",
-         "gains": {"kp": 1.0}, "name": "a"},
+        {**LOOP, **LABELS, "dt": 0.1, "reference": 1.0},
+    ),
+    "FrequencyResponse": (zoh.FrequencyResponse, {**ROWS, **SURE, "neglected": [0.1, 0.1, 0.1]}),
+    "FrequencyResponse.from_complex": (
+        zoh.FrequencyResponse.from_complex, {"w": [0.5, 1, 2], "gain": [1, 1j, -1.0], **SURE},
+    ),
+    "FrequencyResponse.from_bode": (
+        zoh.FrequencyResponse.from_bode,
+        {"hz": [0.1, 0.2, 0.3], "db": [1, 2, 3], "phase_deg": [-90, -90, -90], **SURE},
+    ),
+    "FrequencyResponse.at": (TABLE.at, {"wc": 1.0}),
+    "FrequencyResponse.spread_at": (TABLE.spread_at, {"wc": 1.0}),
+    "FrequencyResponse.neglected_at": (SERVO.neglected_at, {"wc": 1.0}),
+    "FrequencyResponse.scaled": (TABLE.scaled, {"gain": 2.0}),
+    "TabledLoop": (zoh.TabledLoop, {"controller": LAW, "table": TABLE}),
+    "random_error": (zoh.random_error, {"coherence": [0.5, 0.6], "averages": 50}),
+    "measure_table": (zoh.measure_table, {**HELD, **LABELS}),
+    "verify_table": (zoh.verify_table, {**HELD, **LABELS}),
+    "sample a table": (zoh.sample, {"plant": SERVO, "dt": 0.1, "compute_delay": 0.0}),
+    "design on a table": (
+        zoh.design,
+        {"plant": TABLE, "law": "p", "given": {"wc": 1.0}, "dt": 0.1, "compute_delay": 0.0,
+         "requirements": zoh.Requirements(), "name": "a"},
     ),
     "trace": (zoh.trace, {**LOOP, "reference": 1.0, "t_end": 1.0, "per_sample": 5}),
     "response": (zoh.response, {**LOOP, "by": "ramp"}),
     "response_trace": (zoh.response_trace, {**LOOP, "by": "ramp", "t_end": 1.0, "per_sample": 5}),
     "noise_gains": (zoh.noise_gains, LOOP),
     "Crossover": (zoh.Crossover, {"wc": 1.0, "pm_deg": 50}),
+    "below_nyquist": (zoh.Crossover(wc=1.0, pm_deg=50).below_nyquist, {"dt": 0.1}),
     "Requirements": (zoh.Requirements, {"ms": 1.8, "effort_min": -1.0, "noise_gain": 3.0}),
 }  # fmt: skip
 NESTED: list[list[float]] = [[]]  # no frequencies at all, in two dimensions
@@ -60,8 +88,14 @@ NONSENSE = [
     np.ma.masked_array([1.0, 2.0], [0, 1]), np.array([True]), np.array(["1"]),
 ]  # fmt: skip
 ODD = [None, Fraction(1, 10), -1, 0, 1e-320, 1e308, 1e-308, [], (), {}, range(3), np.array([]),
-       np.zeros((2, 2)), np.float32(0.1), np.int64(1), PLANT, LAW]  # fmt: skip
+       np.zeros((2, 2)), np.float32(0.1), np.int64(1), PLANT, LAW, SERVO, TABLE]  # fmt: skip
+ENTRIES = ["1", b"1", True, None, np.nan, np.inf, 10**400, {}, object(), np.ma.masked]
 PLACES = [(call, argument) for call, (_, given) in CALLS.items() for argument in given]
+LISTS = [
+    (call, argument) for call, argument in PLACES
+    if isinstance(CALLS[call][1][argument], list | tuple) and CALLS[call][1][argument]
+]  # fmt: skip
+EMPTY_IN_EMPTY_OUT = {"Plant.at", "Sampled.at", "FrequencyResponse.at", "random_error"}
 TEXTS = {"text", "law", "name"}  # in which "1" is as good as any
 
 
@@ -90,14 +124,29 @@ def answer(call, argument, value):
 @pytest.mark.parametrize(("call", "argument"), PLACES, ids=["-".join(p) for p in PLACES])
 def test_nonsense_is_refused_in_one_line(call, argument):
     for value in NONSENSE:
-        if (argument in TEXTS and isinstance(value, str)) or (
-            call[-3:] == ".at" and value is NESTED
-        ):
+        if argument in TEXTS and isinstance(value, str):
+            continue
+        if call in EMPTY_IN_EMPTY_OUT and argument != "averages" and value is NESTED:
             continue
         with pytest.raises(zoh.ZohError) as refused:
             answer(call, argument, value)
         assert len(str(refused.value)) < 330
         assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(("call", "argument"), LISTS, ids=["-".join(p) for p in LISTS])
+def test_one_nonsense_among_numbers_is_refused(call, argument):
+    for entry in ENTRIES:
+        value = [*CALLS[call][1][argument][:-1], entry]
+        with pytest.raises(zoh.ZohError) as refused:
+            answer(call, argument, value)
+        assert len(str(refused.value)) < 330
+        assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("averages", [1, 50, 1e300, 1.7e308])
+def test_any_number_of_averages_has_its_error(averages):
+    assert zoh.random_error([0.5], averages) == pytest.approx([0.5**0.5 / averages**0.5], rel=1e-15)
 
 
 @pytest.mark.filterwarnings("ignore::zoh.AccuracyWarning")

@@ -6,12 +6,16 @@ Each function returns the value in the form the library works with, or raises ``
 from collections.abc import Iterable, Mapping, Set
 from math import isfinite
 from numbers import Real
-from typing import Any
+from typing import Any, TypeGuard, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from zoh.errors import SpecError
+
+_NO_NUMBER = (bool, np.bool_, np.ma.MaskedArray)
+
+Numbers = TypeVar("Numbers", npt.NDArray[np.float64], npt.NDArray[np.complex128])
 
 
 def number(name: str, value: object, way_out: str = "give one real number") -> float:
@@ -22,7 +26,7 @@ def number(name: str, value: object, way_out: str = "give one real number") -> f
     """
     if type(value) is float and isfinite(value):  # nearly always
         return value
-    if isinstance(value, np.ndarray) and value.ndim == 0:
+    if _is_0d(value) and not isinstance(value, np.ma.MaskedArray):  # what is masked says 0.0
         value = value.item()
     if isinstance(value, bool | np.bool_) or not isinstance(value, Real):
         raise SpecError(name, "must be a real number", value, way_out)
@@ -108,18 +112,40 @@ def numbers(
     name: str, value: object, bound: str = "must be numbers", way_out: str = "one for each row"
 ) -> npt.NDArray[np.float64]:
     """Return a finite number, or an array of them, as a float64 array."""
+    result = _array(name, value, "fiu", bound, way_out).astype(float)
+    return _finite(name, result, way_out)
+
+
+def complex_gains(name: str, value: object) -> npt.NDArray[np.complex128]:
+    """Return a finite complex gain, or an array of them, as a complex128 array."""
+    way_out = "give one complex number per frequency"
+    array = _array(name, value, "fiuc", "must be complex numbers", way_out)
+    return _finite(name, array.astype(complex), way_out)
+
+
+def _array(
+    name: str, value: object, kinds: str, bound: str, way_out: str
+) -> npt.NDArray[np.generic]:
+    """Return an array of these kinds of numbers; NumPy alone would read a bool as one."""
     if isinstance(value, str | bytes | np.ma.MaskedArray) or value is None:
         raise SpecError(name, bound, value, way_out)
     try:
-        array = np.asarray(value)
-        if array.dtype.kind not in "fiu":
+        entries = () if isinstance(value, np.ndarray) else np.asarray(value, object).flat
+        if any(isinstance(x, _NO_NUMBER) for x in entries):
             raise TypeError
-        result = array.astype(float)
+        array = np.asarray(value)
+        if array.dtype.kind not in kinds:
+            raise TypeError
     except (TypeError, ValueError):
         raise SpecError(name, bound, value, way_out) from None
-    if not np.isfinite(result).all():
-        raise SpecError(name, "must be finite", value, way_out)
-    return result
+    return array
+
+
+def _finite(name: str, array: Numbers, way_out: str) -> Numbers:
+    finite = np.isfinite(array)
+    if not finite.all():
+        raise SpecError(name, "must be finite", array[~finite].flat[0].item(), way_out)
+    return array
 
 
 def column(
@@ -148,5 +174,5 @@ def column(
     return result
 
 
-def _is_0d(value: object) -> bool:
+def _is_0d(value: object) -> TypeGuard[npt.NDArray[Any]]:
     return isinstance(value, np.ndarray) and value.ndim == 0

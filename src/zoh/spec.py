@@ -28,6 +28,7 @@ class Crossover:
 
     def below_nyquist(self, dt: float) -> "Crossover":
         """Return self, or raise SpecError where wc is not below the Nyquist frequency pi/dt."""
+        dt = checks.positive("dt", dt, "give the sample time in seconds")
         if not self.wc * dt < pi:
             raise SpecError(
                 "wc",

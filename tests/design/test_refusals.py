@@ -251,6 +251,14 @@ def test_the_nearest_is_the_edge_itself_where_its_seven_digits_do_not_work():
     assert got > sqrt(2)
 
 
+def test_no_more_frequencies_are_tried_than_seven_digits_need():
+    asked = []
+    assert nearest(lambda w: asked.append(w) or w >= sqrt(2), 1.0, 1.0) == 1.414214
+    outwards = 2 * 12  # 1.03^12 is above sqrt(2), and every step up has one down before it
+    # 3 % of sqrt(2) is 2^15.4 units of 1e-6; four more for an edge near a unit's end, one at last
+    assert outwards < len(asked) <= outwards + 16 + 4 + 1
+
+
 def test_the_nearest_is_looked_for_below_nyquist_alone():
     asked = []
     assert nearest(lambda w: asked.append(w) is not None, 1.0, 1.0) is None

@@ -9,16 +9,16 @@ from zoh.lti.systems import Plant, Sampled
 from zoh.sampling.convert import METHODS, discretise, undiscretise
 
 LAG = Plant(num=[1], den=[1, 1])
-KNOWN = (
-    "'zoh' (exact at the samples for an input held between them); "
-    "'foh' (exact at the samples for an input in straight lines between them); "
-    "'impulse' (dt times the impulse response at the samples); "
-    "'tustin' (stability, and every gain with the frequency axis warped: w for s); "
-    "'prewarp' (as tustin, with gain and phase exact at the frequency prewarp); "
-    "'matched' (poles and zeros by z = exp(s dt), and the gain at zero frequency); "
-    "'forward' (slow poles nearly (Euler); a stable plant may come out unstable); "
-    "'backward' (slow poles nearly (Euler); a stable plant comes out stable)"
-)
+PRESERVED = {
+    "zoh": "exact at the samples for an input held between them",
+    "foh": "exact at the samples for an input in straight lines between them",
+    "impulse": "dt times the impulse response at the samples",
+    "tustin": "stability, and every gain with the frequency axis warped: w for s",
+    "prewarp": "as tustin, with gain and phase exact at the frequency prewarp",
+    "matched": "poles and zeros by z = exp(s dt), and the gain at zero frequency",
+    "forward": "slow poles nearly (Euler); a stable plant may come out unstable",
+    "backward": "slow poles nearly (Euler); a stable plant comes out stable",
+}
 ON_NEGATIVE_AXIS = (
     "system must have no pole (nor zero, if matched) on the negative real axis for method {!r}, "
     "got [(-0.5+0j)]: no plant has one: use method 'tustin' or 'forward'"
@@ -31,7 +31,11 @@ PREWARP = "prewarp must be {}, got {}: {}"
 EXACT_THERE = "give the frequency in rad/s that must be exact"
 
 THERE = [
-    ((LAG, 0.1, "bilinear"), "method must be a known method, got 'bilinear': give one of " + KNOWN),
+    (
+        (LAG, 0.1, "bilinear"),
+        "method must be a known method, got 'bilinear': "
+        "one of zoh, foh, impulse, tustin, prewarp, matched, forward, backward",
+    ),
     ((LAG, 0.1, "prewarp"), PREWARP.format("a real number", None, EXACT_THERE)),
     ((LAG, 0.1, "tustin", -1.0), PREWARP.format("above 0", -1.0, EXACT_THERE)),
     # pi/0.1 = 31.4159, pi/40 = 0.0785398
@@ -80,6 +84,10 @@ THERE = [
         for method in ("foh", "impulse", "matched")
     ),
 ]
+
+
+def test_every_method_says_what_it_preserves():
+    assert METHODS == PRESERVED
 
 
 @pytest.mark.parametrize(("asked", "text"), THERE)

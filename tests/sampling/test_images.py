@@ -116,3 +116,20 @@ def test_what_cannot_be_sampled_is_refused(table, more, says):
     )
     with pytest.raises(SpecError, match=says):
         zoh.sample(plant, **{"dt": pi / 8, **more})
+
+
+@pytest.mark.parametrize("dt", [1e-3, 1e-6, 1e-9, 1e-12])
+def test_a_small_dt_costs_no_digits(dt):
+    w = np.geomspace(0.1, 100, 50)
+    table = zoh.sample(FrequencyResponse.from_complex(w=w, gain=2 / (1j * w + 2)), dt)
+    exact = np.array([lag_held(2, dt, x) for x in w])
+    off = np.abs(table.magnitude * np.exp(1j * np.radians(table.phase_deg)) / exact - 1)
+    assert off.max() < 1e-13 + float(np.max(table.neglected))
+
+
+def test_a_table_waits_no_longer_than_a_plant():
+    table = FrequencyResponse(w=[1, 10], magnitude=[1, 0.1], phase_deg=[-90, -90])
+    with pytest.raises(SpecError, match="must be at most 10000 samples"):
+        zoh.sample(table, 0.1, compute_delay=1001.0)
+    with pytest.raises(SpecError, match="must be 1e-300 s or more"):
+        zoh.sample(table, 1e-301)

@@ -192,7 +192,7 @@ def measure(
         raise SpecError(
             "requirements", "must be zoh.Requirements", requirements, "zoh.Requirements(ms=1.8)"
         )
-    labels = _labels(law, gains, name)
+    called = labels(law, gains, name)
     sampled = sample(plant, controller.dt, compute_delay)
     margins = measure_loop(Loop.of(controller, sampled))
     for sentence in margins.warnings:
@@ -203,7 +203,7 @@ def measure(
         if requirements.noise_gain is not None:
             noise_gain = noise_gains(plant, controller, compute_delay=compute_delay)[1]
     return Measured(
-        **labels,
+        **called,
         plant=plant,
         sampled=sampled,
         controller=controller,
@@ -217,7 +217,7 @@ def measure(
     )
 
 
-def _labels(law: str, gains: Mapping[str, float] | None, name: str | None) -> dict[str, Any]:
+def labels(law: str, gains: Mapping[str, float] | None, name: str | None) -> dict[str, Any]:
     """Return law, gains and name, checked."""
     if gains is None:
         gains = {}

@@ -128,13 +128,25 @@ def nearest(works: Callable[[float], bool], wc: float, dt: float) -> float | Non
 
 
 def _edge(works: Callable[[float], bool], bad: float, good: float) -> float:
-    """Return the working end of the edge between bad and good."""
+    """Return the working end of the edge between bad and good, in seven digits if they work.
+
+    Each trial is a loop measured and proved: none is made that could not change a digit.
+    """
+    away = ceil if good > bad else floor
+
+    def rounded(w: float) -> float:
+        unit = 10.0 ** (floor(log10(w)) - 6)
+        return float(f"{away(w / unit) * unit:.7g}")
+
+    known = False
     for _ in range(40):
+        if not known and rounded(good) == rounded(bad):  # and so is all between them
+            known = True
+            if works(rounded(good)):
+                return rounded(good)
         middle = (bad + good) / 2
         if works(middle):
             good = middle
         else:
             bad = middle
-    unit = 10.0 ** (floor(log10(good)) - 6)
-    rounded = float(f"{(ceil if good > bad else floor)(good / unit) * unit:.7g}")
-    return rounded if works(rounded) else good
+    return rounded(good) if not known and works(rounded(good)) else good

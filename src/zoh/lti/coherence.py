@@ -1,5 +1,7 @@
 """How far an averaged frequency response can be trusted, from its coherence."""
 
+from math import sqrt
+
 import numpy as np
 import numpy.typing as npt
 
@@ -24,4 +26,5 @@ def random_error(coherence: npt.ArrayLike, averages: int) -> Array:
     wrong = gamma2[(gamma2 <= 0) | (gamma2 > 1)]
     if wrong.size:
         raise SpecError("coherence", "must be inside (0, 1]", float(wrong[0]), "gamma squared")
-    return np.asarray(np.sqrt((1 - gamma2) / (2 * count * gamma2)))
+    # root by root, no count of averages is too large
+    return np.asarray(np.sqrt(1 - gamma2) / np.sqrt(2 * gamma2) / sqrt(count))

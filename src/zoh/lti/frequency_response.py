@@ -78,7 +78,8 @@ class FrequencyResponse:
         for name in ("uncertainty", "neglected"):
             value = getattr(self, name)
             if value is not None:
-                each = np.full(len(w), value) if np.ndim(value) == 0 else value
+                given = checks.numbers(name, value)
+                each = given if given.ndim else np.full(len(w), given)
                 put(self, name, checks.column(name, each, len(w), least=0.0))
         put(self, "log_gain", Curve(x=np.log(w), y=np.log(magnitude)))
         put(self, "turn", Curve(x=np.log(w), y=np.radians(self.phase_deg)))
@@ -93,10 +94,7 @@ class FrequencyResponse:
         >>> FrequencyResponse.from_complex(w=[1, 2], gain=[-1j, -0.5j]).phase_deg.tolist()
         [-90.0, -90.0]
         """
-        try:
-            value = np.atleast_1d(np.asarray(gain)).astype(complex)
-        except (TypeError, ValueError):
-            raise SpecError("gain", "must be complex numbers", gain, "one per frequency") from None
+        value = np.atleast_1d(checks.complex_gains("gain", gain))
         return cls(
             w=np.atleast_1d(checks.frequencies("w", w)),
             magnitude=np.abs(value),
@@ -116,9 +114,12 @@ class FrequencyResponse:
         >>> FrequencyResponse.from_bode(hz=[1, 10], db=[20, 0], phase_deg=[0, -90]).magnitude
         array([10.,  1.])
         """
+        with np.errstate(over="ignore"):  # what overflows is refused as not finite
+            w = tau * np.atleast_1d(checks.frequencies("hz", hz))
+            magnitude = 10 ** (np.atleast_1d(checks.frequencies("db", db)) / 20)
         return cls(
-            w=tau * np.atleast_1d(checks.frequencies("hz", hz)),
-            magnitude=10 ** (np.atleast_1d(checks.frequencies("db", db)) / 20),
+            w=w,
+            magnitude=magnitude,
             phase_deg=np.atleast_1d(checks.frequencies("phase_deg", phase_deg)),
             dt=dt,
             uncertainty=uncertainty,
@@ -149,7 +150,34 @@ class FrequencyResponse:
         low, high = self.band
         if isinstance(wc, float) and low <= wc <= high:
             return exp(complex(self.log_gain.at(log(wc)), self.turn.at(log(wc))))
-        w = checks.frequencies("wc", wc)
+        w = self._inside(checks.frequencies("wc", wc))
+        x = np.log(w)
+        value = np.exp(self.log_gain.at(x) + 1j * self.turn.at(x))
+        return complex(value) if w.ndim == 0 else value
+
+    def spread_at(self, wc: float) -> float:
+        """Return the relative 1 sigma of ``at(wc)`` that the points' own leads to; 0 unknown."""
+        x = self._log_of(wc)
+        if self.uncertainty is None:
+            return 0.0
+        parts = (self.log_gain.weights(x), self.turn.weights(x))
+        return max(float(np.linalg.norm(part * self.uncertainty)) for part in parts)
+
+    def neglected_at(self, wc: float) -> float:
+        """Return the relative bound on what ``at(wc)`` leaves out; 0 where none was given."""
+        x = self._log_of(wc)
+        if self.neglected is None:
+            return 0.0
+        parts = (self.log_gain.weights(x), self.turn.weights(x))
+        return max(float(np.abs(part) @ self.neglected) for part in parts)
+
+    def _log_of(self, wc: float) -> float:
+        """Return ln wc; SpecError where wc is no number inside the table."""
+        return log(self._inside(np.array(checks.number("wc", wc, "give rad/s"))))
+
+    def _inside(self, w: Array) -> Array:
+        """Return w in rad/s; raise SpecError where any of it is outside the table."""
+        low, high = self.band
         outside = w[(w < low) | (w > high)]
         if outside.size:
             raise SpecError(
@@ -158,33 +186,17 @@ class FrequencyResponse:
                 float(outside.flat[0]),
                 "measure there; nothing is known outside",
             )
-        x = np.log(w)
-        value = np.exp(self.log_gain.at(x) + 1j * self.turn.at(x))
-        return complex(value) if w.ndim == 0 else value
-
-    def spread_at(self, wc: float) -> float:
-        """Return the relative 1 sigma of ``at(wc)`` that the points' own leads to; 0 unknown."""
-        if self.uncertainty is None:
-            return 0.0
-        x = log(wc)
-        parts = (self.log_gain.weights(x), self.turn.weights(x))
-        return max(float(np.linalg.norm(part * self.uncertainty)) for part in parts)
-
-    def neglected_at(self, wc: float) -> float:
-        """Return the relative bound on what ``at(wc)`` leaves out; 0 where none was given."""
-        if self.neglected is None:
-            return 0.0
-        x = log(wc)
-        parts = (self.log_gain.weights(x), self.turn.weights(x))
-        return max(float(np.abs(part) @ self.neglected) for part in parts)
+        return w
 
     def scaled(self, gain: float) -> "FrequencyResponse":
         """Return the response times a real gain, such as a sensor's."""
         k = checks.number("gain", gain)
         if k == 0:
             raise SpecError("gain", "must not be 0", gain, "a response of 0 is no response")
+        with np.errstate(over="ignore"):  # what overflows is refused as not finite
+            magnitude = abs(k) * self.magnitude
         return FrequencyResponse(
-            w=self.w, magnitude=abs(k) * self.magnitude,
+            w=self.w, magnitude=magnitude,
             phase_deg=self.phase_deg - (180.0 if k < 0 else 0.0), dt=self.dt,
             uncertainty=self.uncertainty, neglected=self.neglected,
             unstable_poles=self.unstable_poles,
@@ -222,6 +234,12 @@ class TabledLoop:
     table: FrequencyResponse
 
     def __post_init__(self) -> None:
+        if not isinstance(self.controller, Plant | Sampled):
+            way_out = "zoh.Sampled for a sampled table, zoh.Plant for a continuous one"
+            raise SpecError("controller", "must be a system", self.controller, way_out)
+        if not isinstance(self.table, FrequencyResponse):
+            way_out = "multiply two models with *"
+            raise SpecError("table", "must be a zoh.FrequencyResponse", self.table, way_out)
         clock = self.controller.dt if isinstance(self.controller, Sampled) else None
         if clock != self.table.dt:
             raise SpecError(
@@ -254,7 +272,7 @@ class TabledLoop:
 def _clock(dt: Any, w: Array) -> float:
     """Return dt in s; raise SpecError where a point lies above Nyquist's frequency."""
     clock = sample_time(dt)
-    if w[-1] * clock > pi * (1 + _AT_NYQUIST):
+    if float(w[-1]) * clock > pi * (1 + _AT_NYQUIST):
         raise SpecError(
             "w",
             f"must not go beyond the Nyquist frequency pi/dt = {pi / clock:.6g} rad/s",

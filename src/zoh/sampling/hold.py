@@ -62,13 +62,14 @@ def sample(
     >>> sample(Plant(num=[1], den=[1, 0, 0]), dt=1.0, compute_delay=0.5)
     Sampled(num=(0.125, 0.75, 0.125), den=(1.0, -2.0, 1.0, 0.0), dt=1.0)
     """
-    if isinstance(plant, FrequencyResponse):
-        return sampled_table(plant, dt, compute_delay)
-    if not isinstance(plant, Plant):
+    if not isinstance(plant, Plant | FrequencyResponse):
         raise SpecError("plant", "must be a zoh.Plant", plant, "sample a continuous plant")
     dt = sample_time(dt)
-    checks.not_negative("compute_delay", compute_delay, "give seconds, 0 or more")
-    held = _held(plant.exact, plant.sensor, dt, plant.dead_time, float(compute_delay))
+    compute_delay = checks.not_negative("compute_delay", compute_delay, "give seconds, 0 or more")
+    if isinstance(plant, FrequencyResponse):
+        _samples(0.0, compute_delay, dt)  # refuses a delay beyond those of loops
+        return sampled_table(plant, dt, compute_delay)
+    held = _held(plant.exact, plant.sensor, dt, plant.dead_time, compute_delay)
     if not any(held.num):
         raise SpecError(
             "dt",

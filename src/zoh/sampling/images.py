@@ -23,6 +23,7 @@ from zoh.lti.poly import ComplexArray
 from zoh.lti.systems import sample_time
 
 _EACH = 200  # images beyond the table bounded one by one; the rest by an integral
+_LEAST_DT = 1e-300  # s; the last of those images is at some 1e303 rad/s then
 _FALLING = 0.5  # r below which the gain can hardly be called falling; at 0 the sum has no bound
 
 
@@ -47,7 +48,9 @@ def sampled_table(
         way_out = "it has its hold already; leave this step out"
         raise SpecError("dt", "must not be given twice", table.dt, way_out)
     dt = sample_time(dt)
-    checks.not_negative("compute_delay", compute_delay, "give seconds, 0 or more")
+    compute_delay = checks.not_negative("compute_delay", compute_delay, "give seconds, 0 or more")
+    if dt < _LEAST_DT:
+        raise SpecError("dt", f"must be {_LEAST_DT:g} s or more", dt, "its images leave the floats")
     fall = -_high_slope(table)
     if fall < _FALLING:
         raise SpecError(
@@ -58,7 +61,8 @@ def sampled_table(
         )
     w = _up_to_nyquist(table.w, dt)
     total, square = _inside(table, w, dt, compute_delay)
-    size, hold = np.abs(total), (1 - np.exp(-1j * w * dt)) / dt
+    # (1 - exp(-j w dt))/dt without the difference, which a small dt would leave no digits
+    size, hold = np.abs(total), 1j * w * np.exp(-0.5j * w * dt) * np.sinc(w * dt / (2 * pi))
     return FrequencyResponse(
         w=w,
         magnitude=np.abs(hold * total),

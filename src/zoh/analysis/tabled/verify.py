@@ -12,13 +12,14 @@ from dataclasses import dataclass, field
 from math import log, radians
 from typing import Any
 
+from zoh import checks
 from zoh.analysis.asked import missed
-from zoh.analysis.results import Gains, StepInfo
+from zoh.analysis.results import StepInfo
 from zoh.analysis.tabled.count import count
 from zoh.analysis.tabled.margins import table_margins
 from zoh.analysis.tabled.path import Path
 from zoh.analysis.tabled.results import TableMargins
-from zoh.analysis.verify import Measured
+from zoh.analysis.verify import Measured, labels
 from zoh.errors import NotMet, SpecError
 from zoh.lti.forms import forms, sentences
 from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
@@ -164,16 +165,15 @@ def measure_table(
     asked = Requirements() if requirements is None else requirements
     if not isinstance(asked, Requirements):
         raise SpecError("requirements", "must be zoh.Requirements", asked, "Requirements(ms=1.8)")
+    called = labels(law, gains, name)
     sampled = in_clock(plant, controller.dt, compute_delay)
     margins = table_margins(controller * sampled)
     return TableMeasured(
-        name=name or law,
-        law=law,
-        gains=Gains(dict(gains or {})),
+        **called,
         plant=plant,
         sampled=sampled,
         controller=controller,
-        compute_delay=compute_delay,
+        compute_delay=float(compute_delay),
         requirements=asked,
         margins=margins,
         misses=tuple(table_missed(asked, margins)),
@@ -210,6 +210,7 @@ def table_verified(evidence: TableMeasured) -> TableVerified:
 
 def in_clock(plant: FrequencyResponse, dt: float, compute_delay: float) -> FrequencyResponse:
     """Return the plant's table as the controller sees it, once every dt seconds."""
+    checks.not_negative("compute_delay", compute_delay, "give seconds, 0 or more")
     if plant.dt is None:
         return sample(plant, dt, compute_delay)
     if sample_time(dt) != plant.dt:
