@@ -93,6 +93,8 @@ def test_the_delay_margin_is_the_least_over_the_crossings(case):
     num, den = case.get("num", [0]), case.get("den", [1])
     if case["form"] == "s" and len(num) == len(den) and abs(num[0]) >= abs(den[0]):
         assert got == 0.0  # |L| ends above 1: there any delay is too much
+    elif case["form"] != "s" and abs(loop_of(case).at(pi / case["dt"])) >= 1:
+        assert got == pytest.approx(min(truth, case["dt"]), rel=REL)  # there one sample is
     else:
         assert got == pytest.approx(truth, rel=REL)
 
@@ -272,11 +274,35 @@ def test_the_loop_is_on_the_circle_and_on_the_ray_where_it_says(loop):
 def test_extra_delay_up_to_the_delay_margin_keeps_it_stable(loop):
     found = margins(loop)
     assume(found.stable)
-    assume(abs(loop.at(pi / loop.dt)) < 0.999)  # otherwise any delay however short undoes it
     steep(found, loop)
     samples = int(min(found.delay_margin / loop.dt * (1 - 1e-9), 25))
     late = Sampled(num=loop.num, den=[*loop.den, *[0.0] * samples], dt=loop.dt)
     assert measure_loop(Loop.of(late)).stable
+
+
+# L(-1) is 2.2/0.9, 3/1.6, 2 and 2.2/1.1; the last has an unstable pole, and is -0.5/0.3 there.
+LOUD = [
+    ([1.2, -1], [1, 0.1]), ([2, -1], [1, -0.6]), ([2], [1]), ([1.2, -1], [1, -0.1]),
+    ([1, 0.5], [1, 1.3]),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("num", "den"), LOUD)
+def test_what_is_loud_at_nyquist_bears_no_extra_sample(num, den):
+    """The poles of the closed loop are those of z^k den + num: one is outside for odd k."""
+    dt = 0.5
+
+    def largest(k):
+        return max(np.abs(np.roots(np.polyadd([*den, *[0.0] * k], num))), default=0)
+
+    assert largest(0) < 0.95
+    assert min(largest(k) for k in (1, 3, 5, 7)) > 1.05
+    assert margins(Sampled(num=num, den=den, dt=dt)).delay_margin == dt
+
+
+def test_a_loop_that_starts_at_minus_one_bears_no_delay():
+    assert margins(Plant(num=[-1], den=[1, 1])).delay_margin == 0  # a pole at s = 0
+    assert margins(Sampled(num=[-0.5], den=[1, -0.5], dt=1.0)).delay_margin == 0  # one at z = 1
 
 
 @given(KINDS)

@@ -197,13 +197,15 @@ def peak(loop: Loop, squares: Squares, look: Look, below: Below) -> Peak:
 
 
 def _delay_margin(loop: Loop, by_gain: Crossings) -> float:
-    """Return the least delay in s that turns a crossing onto -1.
+    """Return the least delay in s that turns a crossing onto -1, or what a loud end allows.
 
-    A continuous loop whose gain stays above 1 at the highest frequencies bears none at all.
+    A gain of 1 or more at the highest frequencies bears no delay in a continuous loop: any turns
+    it onto -1 somewhere. In a sampled one it bears less than one sample: at z = -1 an odd number
+    of samples turns L round, and puts den + num there on the other side of 0.
     """
-    if loop.dt is None and loop.num[0] != 0 and abs(loop.num[0]) >= abs(loop.den[0]):
-        return 0.0
-    return min((_delay(w, pm) for w, pm in by_gain if w), default=inf)
+    _, top, bottom = loop.ends()[-1]
+    loud = top != 0 and abs(top) >= abs(bottom)
+    return min([_delay(w, pm) for w, pm in by_gain] + [loop.dt or 0.0] * loud, default=inf)
 
 
 def _delay(w: float, pm_deg: float) -> float:
