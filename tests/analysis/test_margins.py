@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import margins, measure_loop
-from zoh.errors import SpecError
+from zoh.errors import AccuracyWarning, SpecError
 from zoh.lti.systems import Plant, Sampled
 from zoh.sampling.hold import sample
 
@@ -158,6 +158,13 @@ def test_on_the_boundary_is_not_stable():
     assert not margins(Sampled(num=[1.5], den=[1, -0.5], dt=1.0)).stable  # pole at z = -1
     assert not margins(Plant(num=[6], den=[1, 3, 2, 0])).stable  # poles at +- j sqrt(2)
     assert not margins(Sampled(num=[-0.5], den=[1, -0.5], dt=1.0)).stable  # pole at z = +1
+
+
+def test_what_is_not_proved_to_be_stable_is_not_called_unstable():
+    on_the_edge = Plant(num=[1], den=[1, 0], dead_time=pi / 2)  # but for the digits of pi
+    with pytest.warns(AccuracyWarning, match="not proved to be complete: stable"):
+        found = margins(on_the_edge)
+    assert found.stable is None
 
 
 def test_a_hidden_unstable_mode_is_unstable():

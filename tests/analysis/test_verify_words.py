@@ -49,14 +49,14 @@ def test_what_is_not_proved_is_not_called_so():
 
 
 def test_a_report_of_an_unstable_loop():
-    # 3/(z - 1): |L| is 1.5 at least; the pole of the closed loop is z = -2, and T = 3/(z + 2) is
-    # 3 at z = -1, S = (z - 1)/(z + 2) is 2 there
+    # 3/(z - 1): |L| is 1.5 at least, at z = -1; the pole of the closed loop is z = -2, and
+    # T = 3/(z + 2) is 3 at z = -1, S = (z - 1)/(z + 2) is 2 there
     assert measure(INTEGRATOR, Sampled(num=[3.0], den=[1], dt=1.0)).report() == (
         "given: given\n"
         "  D(z) = 3, dt = 1 s\n"
         "  closed loop UNSTABLE\n"
         "  phase margin inf deg at no rad/s, gain margin -3.522 dB at 3.14159 rad/s\n"
-        "  delay margin inf s, Ms 2, Mt 3, bandwidth no rad/s\n"
+        "  delay margin 1 s, Ms 2, Mt 3, bandwidth no rad/s\n"
         "  proved: stability, every crossing, every peak\n"
         "  MISSED: the closed loop is unstable"
     )

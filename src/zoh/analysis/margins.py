@@ -112,7 +112,7 @@ def _measured(
     nearest_phase = min(by_gain, key=lambda c: abs(c[1]), default=(None, inf))
     modulus, complementary, disk = peaks
     return Margins(
-        stable=stable is True,
+        stable=stable,
         gain_margin=nearest_gain[1],
         phase_crossover=nearest_gain[0],
         phase_margin_deg=nearest_phase[1],

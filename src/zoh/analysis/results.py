@@ -59,8 +59,8 @@ class Certificate:
 class Margins:
     """The margins of a loop L in unity negative feedback.
 
-    stable            the closed loop's poles are all inside the stable region; None where a
-                      table of measured points does not decide it
+    stable            the closed loop's poles are all inside the stable region, proved either
+                      way; None where no proof decides it, or a table of measured points does not
     gain_margin       the factor on L nearest 1 (in log) that makes the loop marginally stable;
                       inf where there is none
     phase_crossover   rad/s, where that happens; None where there is none

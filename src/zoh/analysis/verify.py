@@ -111,10 +111,11 @@ class Measured:
         m = self.margins
         gains = ", ".join(f"{k} = {number(v)}" for k, v in self.gains.items())
         controller = fraction(self.controller.num, self.controller.den, "z")
+        verdict = {True: "stable", False: "UNSTABLE", None: "NOT PROVED to be stable"}[m.stable]
         lines = [
             f"{self.name}: {self.law}" + (f" with {gains}" if gains else ""),
             f"  D(z) = {controller}, dt = {self.dt:g} s",
-            f"  closed loop {'stable' if m.stable else 'UNSTABLE'}",
+            f"  closed loop {verdict}",
             f"  phase margin {m.phase_margin_deg:.6g} deg at {_or_none(m.crossover)} rad/s,"
             f" gain margin {m.gain_margin_db:.4g} dB at {_or_none(m.phase_crossover)} rad/s",
             f"  delay margin {m.delay_margin:.4g} s, Ms {m.ms:.4g}, Mt {m.mt:.4g},"
