@@ -4,7 +4,11 @@ Every error that zoh raises on purpose is a ``ZohError`` (a ``ValueError``) whos
 line that names the argument, the bound, the value and a way out.
 """
 
+import sys
+from collections.abc import Iterable
+from types import FrameType
 from typing import Any
+from warnings import warn
 
 
 class ZohError(ValueError):
@@ -71,6 +75,16 @@ class Infeasible(ZohError):
 
 class AccuracyWarning(UserWarning):
     """A figure is not what it seems: rounding of z-coefficients has lost it, or no proof holds."""
+
+
+def warn_of_accuracy(sentences: Iterable[str]) -> None:
+    """Warn of each sentence at the line that called this package, however deep inside it is."""
+    for sentence in sentences:
+        frame: FrameType | None = sys._getframe(1)
+        level = 2
+        while frame is not None and frame.f_globals.get("__name__", "").split(".")[0] == "zoh":
+            frame, level = frame.f_back, level + 1
+        warn(sentence, AccuracyWarning, stacklevel=level)
 
 
 class NotMet(ZohError):

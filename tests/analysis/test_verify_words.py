@@ -220,6 +220,22 @@ def test_lost_digits_are_warned_of_where_the_caller_stands(monkeypatch):
     assert [w.filename for w in caught] == [__file__]
 
 
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: zoh.verify(INTEGRATOR, HALF),
+        lambda: zoh.pi(INTEGRATOR, dt=1.0, wc=0.3, pm_deg=50),
+        lambda: zoh.design(INTEGRATOR, "p", {"wc": 0.3}, dt=1.0),
+    ],
+)
+def test_a_warning_points_past_every_frame_of_the_package(monkeypatch, call):
+    measured = room.measure_loop
+    monkeypatch.setattr(room, "measure_loop", lambda x: replace(measured(x), warnings=("lost",)))
+    with pytest.warns(zoh.AccuracyWarning, match="^lost$") as caught:
+        call()
+    assert {w.filename for w in caught} == {__file__}
+
+
 def test_what_the_module_gives_out():
     given = {}
     exec("from zoh.analysis.verify import *", given)

@@ -14,7 +14,6 @@ Control Systems 40(5), 2020, eq. (5) with sigma = 0.
 from cmath import phase
 from dataclasses import replace
 from math import degrees, inf, isnan, log, radians, tau
-from warnings import warn
 
 import numpy as np
 
@@ -26,7 +25,7 @@ from zoh.analysis.rounding import doubts
 from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import ON_DEN, ON_NUM, ON_OPPOSITE, Below, Squares
 from zoh.analysis.stability import decided
-from zoh.errors import AccuracyWarning
+from zoh.errors import warn_of_accuracy
 from zoh.lti import poly
 from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
 from zoh.lti.systems import Plant, Sampled
@@ -57,8 +56,7 @@ def margins(loop: Plant | Sampled | FrequencyResponse | TabledLoop) -> Margins:
 
         return table_margins(loop)
     found = measure_loop(Loop.of(loop))
-    for sentence in found.warnings:
-        warn(sentence, AccuracyWarning, stacklevel=2)
+    warn_of_accuracy(found.warnings)
     return found
 
 

@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import radians
 from typing import Any
-from warnings import warn
 
 from zoh import checks
 from zoh.analysis.asked import missed
@@ -20,7 +19,7 @@ from zoh.analysis.responses import noise_gains
 from zoh.analysis.results import Choice, Gains, Margins, StepInfo
 from zoh.analysis.stability import closed_loop_stable
 from zoh.analysis.step import closed_loop_step
-from zoh.errors import AccuracyWarning, NotMet, SpecError
+from zoh.errors import NotMet, SpecError, warn_of_accuracy
 from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.systems import Plant, Sampled
 from zoh.lti.written import fraction, number
@@ -188,8 +187,7 @@ def measure(
         )
     sampled = sample(plant, controller.dt, compute_delay)
     margins = measure_loop(Loop.of(controller, sampled))
-    for sentence in margins.warnings:
-        warn(sentence, AccuracyWarning, stacklevel=2)
+    warn_of_accuracy(margins.warnings)
     step, noise_gain = None, None
     if margins.stable:
         step = closed_loop_step(plant, controller, compute_delay=compute_delay, reference=reference)
