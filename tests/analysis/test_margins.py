@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from mpmath import mp, mpc, mpf
 
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import margins, measure_loop
@@ -184,6 +185,34 @@ def test_two_crossings_on_a_needle_are_two():
             x = sign * 2 * zeta * wn * sqrt(gain**2 - 1)
             # 1e-9: w itself to REL; x is a 1e-8 part of it
             assert w == pytest.approx(x / 2 + sqrt(x * x / 4 + wn * wn), rel=REL)
+
+
+@pytest.mark.parametrize("gain", [1e-305, 1e-200, 1e-162, 1e-150, 1e-80, 1e80, 1e150, 1e300])
+@pytest.mark.parametrize("lags", [1, 2])
+def test_gains_whose_squares_no_float_holds(gain, lags):
+    """K/(s (s + 1)^n) in 700 digits: w^2 (1 + w^2)^n = K^2, margin 90 deg - n arctan w.
+
+    |T| is 10^-0.15 where w^2 (1 + w^2)^n and the like of it are passed: K^2 = 10^-0.3 |D + K|^2.
+    """
+    with mp.workdps(700):
+        k = mpf(gain)
+        scale = k if gain < 1 else mp.root(k, lags + 1)
+        w = scale * mp.findroot(
+            lambda x: mp.log(x) + lags * mp.log1p((scale * x) ** 2) / 2 - mp.log(k / scale), 1
+        )
+        pm = mp.degrees(mp.pi / 2 - lags * mp.atan(w))
+
+        def loud(x):
+            s = mpc(0, scale * x)
+            return mp.log(abs(1 + s * (1 + s) ** lags / k)) - mpf("0.15") * mp.log(10)
+
+        bandwidth = scale * mp.findroot(loud, 1.5)
+        expected = float(w), float(pm), float(bandwidth)
+    found = margins(Plant(num=[gain], den=np.polymul([1.0, 0.0], [[1, 1], [1, 2, 1]][lags - 1])))
+    assert found.crossover == pytest.approx(expected[0], rel=REL, abs=0)
+    assert found.phase_margin_deg == pytest.approx(expected[1], abs=DEG)
+    assert found.bandwidth == pytest.approx(expected[2], rel=REL, abs=0)
+    assert found.certificate.holds
 
 
 def test_json_has_no_infinity_and_no_nan():
@@ -365,7 +394,7 @@ def test_first_order_loops_have_closed_forms(a, b):
         assert found.crossover is None
 
 
-@pytest.mark.parametrize("gain", [1e-300, 1e-160, 1e-100, 1e100, 1e160, 1e250])
+@pytest.mark.parametrize("gain", [1e-300, 1e-160, 1e-100, 1e100, 1e160, 1e250, 1e300])
 def test_gains_near_the_ends_of_a_float(gain):
     """g/(s + 1)^3: real at sqrt(3) with |L| = g/8; T is L below 1, and falls where w^3 = g."""
     found = margins(Plant(num=[gain], den=[1, 3, 3, 1]))

@@ -5,7 +5,7 @@ polynomials in v^2 and along every turn of a delay. A sign change between neighb
 in on with the loop itself, and every valley of a ratio is followed to its bottom.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import inf, pi
 
@@ -13,7 +13,7 @@ import numpy as np
 
 from zoh.analysis.crossings import least, sign_changes
 from zoh.analysis.loop import Array, ComplexArray, Loop
-from zoh.analysis.squares import Below, Squares
+from zoh.analysis.squares import Below, Squares, corners
 from zoh.errors import SpecError
 from zoh.lti import poly, whole
 from zoh.lti.whole import Whole
@@ -44,8 +44,9 @@ class Close:
     @classmethod
     def of(cls, loop: Loop, squares: Squares) -> "Close":
         """Return the look; raise SpecError for a dead time that turns too often."""
-        roots = [_suspects(a) for a in (squares.gain, squares.turn, squares.drop)]
-        marks = _landmarks(loop)
+        signed = (squares.gain, squares.turn, squares.drop)
+        roots = [_suspects(a) for a in signed]
+        marks = _landmarks(loop, [2.0 ** (x / 2) for x in corners(signed)])
         turns = _delay_grid(loop, marks)
         v = np.unique(np.concatenate([marks, turns, *roots]))
         v = v[np.isfinite(v) & (v > 0)]
@@ -98,10 +99,11 @@ def _by_polynomial(turn: Whole) -> Callable[[float], float]:
     """Return a function of v with the sign of the polynomial ``turn`` of v^2, in floats."""
     octaves = _middle(turn)
     scaled = whole.floats(turn, octaves, whole.size(turn, octaves))
-    unit = 2.0**-octaves
+    half, odd = divmod(-octaves, 2)
+    unit, rest = 2.0**half, 2.0**odd
 
     def turning(v: float) -> float:
-        q = v * v * unit
+        q = (v * unit) ** 2 * rest
         x, y = (q, 1.0) if q < 1 else (1.0, 1 / q)  # no power overflows
         value, power = scaled[0], y
         for c in scaled[1:]:
@@ -125,18 +127,22 @@ def _suspects(a: Whole) -> Array:
     is asked too.
     """
     octaves = _middle(a)
-    q = poly.roots(whole.floats(a, octaves, whole.size(a, octaves))) * 2.0**octaves
+    q = poly.roots(whole.floats(a, octaves, whole.size(a, octaves)))
     q = q[np.isfinite(q) & (np.abs(q) > 0) & (q.real > -0.1 * np.abs(q))]
-    v = np.sqrt(np.concatenate([np.abs(q), np.abs(q.real)]))
+    half, odd = divmod(octaves, 2)  # the root is within a float where q may not be
+    v = np.sqrt(np.concatenate([np.abs(q), np.abs(q.real)]) * 2.0**odd) * 2.0**half
     v = v[v > 0]
     return np.concatenate([v, v * (1 - 1e-7), v * (1 + 1e-7)])
 
 
-def _landmarks(loop: Loop) -> Array:
-    """Return frequencies v > 0, ascending, between which the loop does nothing sudden."""
+def _landmarks(loop: Loop, turning: Sequence[float] = ()) -> Array:
+    """Return frequencies v > 0, ascending, between which the loop does nothing sudden.
+
+    turning  v at which its polynomials turn from one power to the next, beside its modes
+    """
     modes = [poly.roots(a) for a in (loop.num, loop.den, loop.closed(), loop.closed(-1.0))]
     every = np.concatenate(modes)
-    size = np.abs(every)
+    size = np.append(np.abs(every), turning)
     size = size[(size > 0) & np.isfinite(size)]
     if loop.dt is not None:
         size = np.append(size, 2 / loop.dt)
@@ -144,7 +150,7 @@ def _landmarks(loop: Loop) -> Array:
         size = np.append(size, 1 / loop.dead_time)
     if not size.size:
         size = np.array([1.0])
-    low, high = max(size.min() / 100, 1e-300), min(size.max() * 100, 1e300)
+    low, high = max(size.min() / 100, 1e-307), min(size.max() * 100, 1e300)
     count = int(12 * (np.log10(high) - np.log10(low))) + 2
     around = np.abs(every.imag)[:, None] + np.abs(every.real)[:, None] * _AROUND
     v = np.concatenate([np.geomspace(low, high, count), around.ravel(), np.abs(every)])

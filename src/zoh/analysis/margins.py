@@ -13,7 +13,7 @@ Control Systems 40(5), 2020, eq. (5) with sigma = 0.
 
 from cmath import phase
 from dataclasses import replace
-from math import degrees, inf, isnan, log, radians, tau
+from math import degrees, frexp, inf, isnan, log, radians, tau
 
 import numpy as np
 
@@ -34,6 +34,7 @@ _TOUCHES = 4e-15  # |L| this near to 1 at an end of the axis is 1: a few roundin
 _AT_A_ROOT = 1e-13  # of its terms: what num conj den is, in floats, at a root of num or den
 _ON_IT_DEG = 1e-12  # a margin this small is 0: a few roundings of the angle
 _BLUR = 1e-6  # the crossing they make up this near to it (|L| is flat there) is none
+_SMALL, _LARGE = 1e-100, 1e100  # sizes whose squares a float holds, with room for a ratio
 
 Crossings = list[tuple[float, float]]
 
@@ -154,10 +155,11 @@ def _phase_crossings(
         return _always_real(loop, squares, unities)
     crossings = []
     for v in turns:
-        top, bottom = loop.point(v)
+        (top, of_top), (bottom, of_bottom) = map(_within_floats, loop.point(v))
         product = (top * bottom.conjugate()).real
-        if product < -_AT_A_ROOT * _bulk(loop, v):
-            crossings.append((loop.frequency(v), -_square(bottom) / product))
+        if product < -_AT_A_ROOT * _bulk(loop, v, of_top, of_bottom):
+            factor = -_square(bottom) / product * (of_top / of_bottom)
+            crossings.append((loop.frequency(v), factor))
     every = crossings + _at_the_ends(loop)
     return sorted((w, factor) for w, factor in every if 0 < factor < inf)  # what a float holds
 
@@ -223,11 +225,21 @@ def _scale(loop: Loop) -> float:
 
 def _margin_deg(top: complex, bottom: complex) -> float:
     """Return the angle from -180 deg to L, in (-180, 180]."""
+    (top, _), (bottom, _) = _within_floats(top), _within_floats(bottom)
     angle = degrees(phase(-top * bottom.conjugate()))
     return 180.0 if angle <= -180 else angle
 
 
-def _bulk(loop: Loop, v: float) -> float:
-    """Return what |num den| would be at v if nothing cancelled."""
-    top = poly.at([abs(c) for c in loop.num], v)
-    return float(top * poly.at([abs(c) for c in loop.den], v))
+def _bulk(loop: Loop, v: float, of_top: float, of_bottom: float) -> float:
+    """Return what |num den| would be at v if nothing cancelled, each times its unit."""
+    top = poly.at([abs(c) for c in loop.num], v) * of_top
+    return float(top * (poly.at([abs(c) for c in loop.den], v) * of_bottom))
+
+
+def _within_floats(x: complex) -> tuple[complex, float]:
+    """Return (x unit, unit), a power of two that keeps products of two such within a float."""
+    size = abs(x)
+    if _SMALL < size < _LARGE or not 0 < size < inf:
+        return x, 1.0
+    unit = 2.0 ** -frexp(size)[1]
+    return x * unit, unit
