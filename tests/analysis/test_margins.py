@@ -109,7 +109,7 @@ def test_the_peaks_are_the_peaks(measured):
 
 
 # Worked by hand.
-#   0.1/(z-0.9): real at z = -1, -0.1/1.9; one may multiply it by 19
+#   0.125/(z-0.875): real at z = -1, -0.125/1.875; one may multiply it by 15
 #   1/(z-0.5):   -1/1.5 at z = -1.  |z - 0.5|^2 = 1.25 - cos = 1 at cos(w) = 1/4
 #   1/(z-1):     at cos(w) = 1/2, w = pi/3, 1/(exp(jw)-1) = 1/exp(j 2pi/3): margin 60 deg
 #   1/(s(s+1)(s+2)): phase -180 at w = sqrt(2), gain 1/6
@@ -118,7 +118,7 @@ def test_the_peaks_are_the_peaks(measured):
 W = sqrt(10 ** (2 / 3) - 1)
 BY_HAND = [
     # loop, stable, gain margin, at, phase margin in deg, at
-    (Sampled(num=[0.1], den=[1, -0.9], dt=0.1), True, 19, pi / 0.1, None, None),
+    (Sampled(num=[0.125], den=[1, -0.875], dt=0.1), True, 15, pi / 0.1, inf, None),
     (Sampled(num=[1], den=[1, -0.5], dt=1.0), True, 1.5, pi, None, np.arccos(0.25)),
     (Sampled(num=[2], den=[1, -0.5], dt=1.0), False, 0.75, pi, None, None),
     (Sampled(num=[1], den=[1, -1], dt=1.0), True, 2, pi, 60, pi / 3),
@@ -149,6 +149,43 @@ def test_a_loop_that_starts_at_one_does_not_lose_its_margin():
     assert got.gain_margin == pytest.approx(3, rel=1e-14)
 
 
+# b/(z - a), of the floats b and a: |L| = 1 at 4 a sin^2(w/2) = b^2 - (1 - a)^2.
+BY_A_LAST_BIT = [
+    (0.1, 0.9, True, "beside 0 rad/s"),  # L(1) = 1 + 3e-16
+    (0.7, 0.3, True, "beside 0 rad/s"),  # L(1) = 1 - 8e-17: none, but for the last bit
+    (0.75, 0.25, True, None),  # L(1) = 1
+    (-1.9, 0.9, False, "beside 3.14159 rad/s"),  # L(-1) = 1 - 6e-17
+    (1.9, 0.9, True, "stability may be lost"),  # a pole at -(1 - 1.1e-16)
+]
+
+
+@pytest.mark.parametrize(("b", "a", "stable", "doubt"), BY_A_LAST_BIT)
+def test_floats_are_exact_at_the_ends_and_their_rounding_is_said(b, a, stable, doubt):
+    top, pole = Fraction(b), Fraction(a)
+    sine = (top**2 - (1 - pole) ** 2) / (4 * pole)  # exact; its square root and arcsine are not
+    with mp.workdps(50):
+        w = float(2 * mp.asin(mp.sqrt(mpf(sine.numerator) / sine.denominator))) if sine > 0 else 0
+    found = measure_loop(Loop.of(Sampled(num=[b], den=[1, -a], dt=1.0)))
+    assert found.stable is (abs(pole - top) < 1) is stable
+    assert [w for w, _ in found.gain_crossings] == ([pytest.approx(w, rel=1e-12)] if w else [])
+    assert found.certificate.holds
+    assert any(doubt in sentence for sentence in found.warnings) if doubt else not found.warnings
+
+
+@pytest.mark.parametrize("dead_time", [0.0, 0.25])
+def test_floats_are_exact_at_the_ends_in_s_too(dead_time):
+    b, a = 0.1 + 0.2, 0.3  # b/(s + a): w^2 = b^2 - a^2 of the floats, a hair above 0
+    w = float(Fraction(b) ** 2 - Fraction(a) ** 2) ** 0.5
+    found = measure_loop(Loop.of(Plant(num=[b], den=[1, a], dead_time=dead_time)))
+    assert found.crossover == pytest.approx(w, rel=1e-12)
+    assert "beside 0 rad/s" in found.warnings[0]
+    found = measure_loop(Loop.of(Plant(num=[a], den=[1, b], dead_time=dead_time)))
+    assert found.crossover is None
+    assert "beside 0 rad/s" in found.warnings[0]
+    found = measure_loop(Loop.of(Plant(num=[a], den=[1, a], dead_time=dead_time)))
+    assert (found.crossover, found.warnings) == (None, ())
+
+
 def test_a_loop_that_starts_at_minus_one_has_no_margin():
     got = margins(Sampled(num=[-0.5], den=[1, -0.5], dt=1.0))  # L(z = 1) = -1 exactly
     assert (got.stable, got.gain_margin, got.phase_crossover) == (False, 1.0, 0.0)
@@ -169,7 +206,7 @@ def test_what_is_not_proved_to_be_stable_is_not_called_unstable():
 
 
 def test_a_hidden_unstable_mode_is_unstable():
-    assert not margins(Sampled(num=[0.1, -0.12], den=[1, -2.1, 1.08], dt=0.1)).stable
+    assert not margins(Sampled(num=[0.125, -0.15], den=[1, -2.1, 1.08], dt=0.1)).stable
     assert not margins(Plant(num=[1, -1], den=[1, 1, -2])).stable
 
 
@@ -247,6 +284,11 @@ KINDS = st.builds(
 )  # fmt: skip
 
 
+def measured_quietly(loop):
+    """Return the margins of a loop whose last bits may decide about an end of the axis."""
+    return measure_loop(Loop.of(loop))
+
+
 def steep(m, loop):
     """Skip a loop with a crossing so flat that rounding decides about it."""
     for w, _ in m.gain_crossings:
@@ -261,7 +303,7 @@ def steep(m, loop):
 @given(KINDS, st.floats(0.2, 5))
 def test_gain_moves_the_gain_margins_and_nothing_else(loop, k):
     louder = Sampled(num=[k * c for c in loop.num], den=loop.den, dt=loop.dt)
-    one, other = margins(loop), margins(louder)
+    one, other = measured_quietly(loop), measured_quietly(louder)
     steep(one, loop)
     steep(other, louder)
     assert len(one.phase_crossings) == len(other.phase_crossings)
@@ -272,7 +314,9 @@ def test_gain_moves_the_gain_margins_and_nothing_else(loop, k):
 @given(KINDS, st.integers(-10, 10))
 def test_a_slower_clock_slows_the_frequencies_and_nothing_else(loop, power):
     c = 2.0**power
-    one, slow = margins(loop), margins(Sampled(num=loop.num, den=loop.den, dt=loop.dt * c))
+    one, slow = (
+        measured_quietly(x) for x in (loop, Sampled(num=loop.num, den=loop.den, dt=loop.dt * c))
+    )
     steep(one, loop)
     assert slow.stable is one.stable
     assert len(slow.gain_crossings) == len(one.gain_crossings)
@@ -288,14 +332,20 @@ def test_a_slower_clock_slows_the_frequencies_and_nothing_else(loop, power):
 
 @given(KINDS)
 def test_z_and_w_tell_the_same_loop(loop):
+    """But for the rounding of the w-coefficients, which the z-coefficients do not go through."""
     twin = Sampled.from_w(num_w=loop.num_w, den_w=loop.den_w, dt=loop.dt, delay=loop.delay)
-    one, other = margins(loop), margins(twin)
-    assert other == one
+    one, other = measured_quietly(loop), measured_quietly(twin)
+    steep(one, loop)
+    steep(other, loop)
+    assert other.stable is one.stable
+    assert np.ravel(other.gain_crossings) == pytest.approx(np.ravel(one.gain_crossings), rel=REL)
+    assert np.ravel(other.phase_crossings) == pytest.approx(np.ravel(one.phase_crossings), rel=REL)
+    assert (other.modulus_margin, other.mt) == pytest.approx((one.modulus_margin, one.mt), rel=REL)
 
 
 @given(KINDS)
 def test_the_loop_is_on_the_circle_and_on_the_ray_where_it_says(loop):
-    found = margins(loop)
+    found = measured_quietly(loop)
     steep(found, loop)
     for w, pm in found.gain_crossings:
         value = loop.at(w)
@@ -308,7 +358,7 @@ def test_the_loop_is_on_the_circle_and_on_the_ray_where_it_says(loop):
 
 @given(KINDS)
 def test_extra_delay_up_to_the_delay_margin_keeps_it_stable(loop):
-    found = margins(loop)
+    found = measured_quietly(loop)
     assume(found.stable)
     steep(found, loop)
     samples = int(min(found.delay_margin / loop.dt * (1 - 1e-9), 25))
@@ -344,7 +394,7 @@ def test_a_loop_that_starts_at_minus_one_bears_no_delay():
 @given(KINDS)
 def test_the_least_gain_margin_above_one_is_where_stability_ends(loop):
     def scaled(k):
-        return margins(Sampled(num=[k * c for c in loop.num], den=loop.den, dt=loop.dt))
+        return measured_quietly(Sampled(num=[k * c for c in loop.num], den=loop.den, dt=loop.dt))
 
     largest = np.abs(loop.at(np.linspace(0, pi / loop.dt, 300))).max()
     quiet = scaled(0.5 / largest)  # a stable loop of gain below one is stable in feedback
@@ -357,7 +407,7 @@ def test_the_least_gain_margin_above_one_is_where_stability_ends(loop):
 
 @given(KINDS)
 def test_peaks_bound_a_fine_grid(loop):
-    found = margins(loop)
+    found = measured_quietly(loop)
     value = loop.at(np.linspace(0, pi / loop.dt, 500))
     finite = value[np.isfinite(value)]
     assert found.modulus_margin <= np.abs(1 + finite).min() * (1 + 1e-12)

@@ -12,13 +12,14 @@ from math import inf, pi
 import numpy as np
 
 from zoh.analysis.crossings import least, sign_changes
-from zoh.analysis.loop import Array, ComplexArray, Loop
+from zoh.analysis.loop import Array, ComplexArray, Loop, scalar
 from zoh.analysis.squares import Below, Squares, corners
 from zoh.errors import SpecError
 from zoh.lti import poly, whole
 from zoh.lti.whole import Whole
 
 _LIKE_THE_END = 1.01  # times |L| at infinity: the turns from there on look alike
+_FLAT = 1e-12  # |L| - 1 that may be rounding
 _MOST = 200_000  # points on a dead time's turns; more turns than that are not a control loop
 # distances from a mode's frequency in units of its damping: near enough to see its peak, far
 # enough to meet the decades grid
@@ -56,8 +57,17 @@ class Close:
 
     def unities(self) -> list[float]:
         """Return every v at which |L| = 1, ascending."""
-        signs = np.sign(np.abs(self.top) - np.abs(self.bottom))
-        return sign_changes(self.loop.excess, self.v, signs)
+        over = np.abs(self.top) - np.abs(self.bottom)
+        for i in np.flatnonzero(np.abs(over) < _FLAT * np.abs(self.bottom)):
+            over[i] = self.squares.over_bottom(self.squares.gain, float(self.v[i]))
+        return sign_changes(self._excess, self.v, np.sign(over))
+
+    def _excess(self, v: float) -> float:
+        """Return |L| - 1, from the exact polynomials where floats do not tell it from 0."""
+        bottom = abs(scalar(self.loop.den, v))
+        if bottom and abs(over := self.loop.excess(v) / bottom) >= _FLAT:
+            return over
+        return self.squares.over_bottom(self.squares.gain, v) / 2
 
     def turns(self) -> list[float]:
         """Return every v up to ``reach`` at which L is real, ascending."""

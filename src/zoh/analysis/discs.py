@@ -337,5 +337,7 @@ def _taylor(a: ComplexArray, c: Array, h: Array) -> tuple[ComplexArray, Array, C
         power = power * h
         size = size + term * power
     blur = _ROUNDING * (n + 1) * np.polyval(np.abs(a), np.abs(c) + h)
+    terms = np.abs(a[:-1]) * np.arange(n, 0, -1)  # of the derivative: the last one is not in it
+    slope_blur = _ROUNDING * (n + 1) * np.polyval(terms, np.abs(c) + h)
     slope = series[n - 1] if n else np.zeros_like(series[0])
-    return series[n], size + blur, slope, slope_size + blur * n / (np.abs(c) + h)
+    return series[n], size + blur, slope, slope_size + slope_blur

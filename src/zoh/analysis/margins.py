@@ -30,7 +30,7 @@ from zoh.lti import poly
 from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
 from zoh.lti.systems import Plant, Sampled
 
-_TOUCHES = 4e-15  # |L| this near to 1 at an end of the axis is 1: a few roundings, and
+_TOUCHES = 4e-15  # |L| this near to 1 at an end of what a hold made is 1: a few roundings, and
 _AT_A_ROOT = 1e-13  # of its terms: what num conj den is, in floats, at a root of num or den
 _ON_IT_DEG = 1e-12  # a margin this small is 0: a few roundings of the angle
 _BLUR = 1e-6  # the crossing they make up this near to it (|L| is flat there) is none
@@ -48,9 +48,9 @@ def margins(loop: Plant | Sampled | FrequencyResponse | TabledLoop) -> Margins:
     has already lost a figure, and where one is not proved.
 
     >>> from math import pi
-    >>> m = margins(Sampled(num=[0.1], den=[1, -0.9], dt=1.0))  # leaves at z = -1
-    >>> round(m.gain_margin, 12), m.phase_crossover == pi
-    (19.0, True)
+    >>> m = margins(Sampled(num=[0.125], den=[1, -0.875], dt=1.0))  # leaves at z = -1
+    >>> m.gain_margin, m.phase_crossover == pi
+    (15.0, True)
     """
     if isinstance(loop, FrequencyResponse | TabledLoop):
         from zoh.analysis.tabled.margins import table_margins  # not for a model
@@ -141,7 +141,10 @@ def _gain_crossings(
         if not bottom or abs(abs(top / bottom) - 1) > _TOUCHES:
             continue
         w = loop.frequency(v)
-        crossings = [c for c in crossings if abs(c[0] - w) > _BLUR * _scale(loop)]
+        if not loop.given:
+            crossings = [c for c in crossings if abs(c[0] - w) > _BLUR * _scale(loop)]
+        elif not loop.is_one_at(v):
+            continue
         if top / bottom < 0:
             crossings.append((w, 0.0))
     return sorted(crossings)

@@ -1,4 +1,4 @@
-"""What the rounding of given z-coefficients has already cost.
+"""What the rounding of given coefficients has already cost.
 
 z-coefficients are floats, and at a small dt everything is in their last digits. If each may be
 off by half a unit of its last place, |c| 2^-53, then num(z) may be off by 2^-53 sum |c| and L by
@@ -24,17 +24,47 @@ _SHORT = 2.0**32  # a coefficient of no more bits than that is meant as it stand
 _ANY = 1e4  # beyond it a bound says nothing
 _GRID = 60  # points on which stability is asked for
 
-_WAY_OUT = "build the loop from its parameters (zoh.sample, Sampled.from_w) or sample more slowly"
+_FEW_BITS = 4 * _HALF_A_UNIT  # of |L| at an end in s: half a unit of num and of den, and as much
+
+_WAYS_OUT = {
+    "z-coefficients": "build the loop from its parameters (zoh.sample, Sampled.from_w) or sample "
+    "more slowly",
+    "coefficients": "give them so that |L| is 1, or is not, in the digits that you know",
+}
 
 
 def doubts(loop: Loop, m: Margins) -> tuple[str, ...]:
-    """Return what rounding has done to the phase and gain margins, Ms and stability, if too much.
+    """Return what rounding has done to the figures and to stability, if too much.
 
     Only z-coefficients that were given as such are doubted; those that zoh made from a plant
-    stand beside their w-form, which is what is measured.
+    stand beside their w-form, which is what is measured. In s and in z alike a crossing is
+    doubted that the last bits make at an end of the axis.
     """
-    if not loop.rounded or loop.dt is None:
+    found = [
+        f"|L| may pass through 1 beside {loop.frequency(v):.6g} rad/s or not"
+        for v, top, bottom in loop.ends()
+        if bottom and abs(abs(top / bottom) - 1) <= _at_an_end(loop, v)
+    ]
+    found += _of_z(loop, m) if loop.rounded and loop.dt is not None else []
+    if not found:
         return ()
+    kind = "coefficients" if loop.dt is None else "z-coefficients"
+    return (f"by the rounding of the given {kind} alone {', '.join(found)}: {_WAYS_OUT[kind]}",)
+
+
+def _at_an_end(loop: Loop, v: float) -> float:
+    """Return how near to 1 |L| is in doubt at w = 0 or at the highest frequency; below 0: never.
+
+    What is 1 exactly is meant to be in s, where no more is known than the coefficients.
+    """
+    if loop.rounded and loop.dt is not None:
+        part = sum(_parts(loop, v))
+        return part if 0 < part < inf else -1.0
+    return _FEW_BITS if loop.given and not loop.is_one_at(v) else -1.0
+
+
+def _of_z(loop: Loop, m: Margins) -> list[str]:
+    """Return what the rounding of the z-coefficients has done."""
     found = []
     pm = 0.0 if m.crossover is None else _phase_shift(loop, m.crossover)
     if pm > LOST_DEG:
@@ -44,11 +74,10 @@ def doubts(loop: Loop, m: Margins) -> tuple[str, ...]:
         found.append(f"the gain margin may be off by {_shown(100 * gain)} %")
     if m.modulus_margin and (peak := _of_return(loop, m.ms_frequency)) > LOST:
         found.append(f"Ms may be off by {_shown(100 * peak)} %")
-    if max(_of_return(loop, w) for w in _frequencies(loop, m)) >= 1:
+    ends = (_moved(loop, *end) for end in loop.ends())
+    if max(*(_of_return(loop, w) for w in _frequencies(loop, m)), *ends) >= 1:
         found.append("stability may be lost or won")
-    if not found:
-        return ()
-    return (f"by the rounding of the given z-coefficients alone {', '.join(found)}: {_WAY_OUT}",)
+    return found
 
 
 def _phase_shift(loop: Loop, w: float) -> float:
@@ -78,10 +107,15 @@ def _of_return(loop: Loop, w: float) -> float:
     if w >= _nyquist(loop):
         w = _nyquist(loop) * (1 - 1e-9)
     v = warp(w, loop.dt or 0.0)
-    top, bottom = loop.point(v)
+    return _moved(loop, v, *loop.point(v))
+
+
+def _moved(loop: Loop, v: float, top: complex, bottom: complex) -> float:
+    """Return by which part of itself rounding moves den + num at v, these being den and num."""
     of_top, of_bottom = _parts(loop, v)
     return_difference = abs(bottom + top)
-    moved = abs(top) * of_top + abs(bottom) * of_bottom
+    # what is 0 at an end stays small beside the other
+    moved = (abs(top) * of_top if top else 0.0) + (abs(bottom) * of_bottom if bottom else 0.0)
     return moved / return_difference if return_difference else inf if moved else 0.0
 
 
@@ -90,7 +124,7 @@ def _parts(loop: Loop, v: float) -> tuple[float, float]:
     of_top = of_bottom = 0.0
     for system in loop.rounded:
         size = hypot(1.0, v * system.dt / 2)
-        x, y = complex(0.0, v / size), 1 / size
+        x, y = (complex(0.0, v / size), 1 / size) if v < inf else (2j / system.dt, 0.0)
         of_top += _part(system.num, abs(poly.homogeneous(system.num_w, x, y)))
         of_bottom += _part(system.den, abs(poly.homogeneous(system.den_w, x, y)))
     return of_top, of_bottom
