@@ -9,7 +9,7 @@ Source: N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., s
 """
 
 from collections.abc import Iterator
-from math import degrees, hypot, inf
+from math import degrees, hypot, inf, radians, tau
 
 from zoh.analysis.loop import Loop
 from zoh.analysis.results import Margins
@@ -72,12 +72,76 @@ def _of_z(loop: Loop, m: Margins) -> list[str]:
     gain = 0.0 if m.phase_crossover is None else _gain_shift(loop, m.phase_crossover)
     if gain > LOST:
         found.append(f"the gain margin may be off by {_shown(100 * gain)} %")
-    if m.modulus_margin and (peak := _of_return(loop, m.ms_frequency)) > LOST:
-        found.append(f"Ms may be off by {_shown(100 * peak)} %")
+    for name, off in _relative(loop, m):
+        if off > LOST:
+            found.append(f"{name} may be off by {_shown(100 * off)} %")
     ends = (_moved(loop, *end) for end in loop.ends())
     if max(*(_of_return(loop, w) for w in _frequencies(loop, m)), *ends) >= 1:
         found.append("stability may be lost or won")
     return found
+
+
+def _relative(loop: Loop, m: Margins) -> Iterator[tuple[str, float]]:
+    """Yield by which part of themselves rounding moves the other figures that there are."""
+    if m.modulus_margin:
+        yield "Ms", _of_return(loop, m.ms_frequency)
+    if m.mt < inf:
+        yield "Mt", _of_complementary(loop, _place(loop, m.mt_frequency))
+    if m.disk_margin:
+        yield "the disk margin", _of_disk(loop, _place(loop, m.disk_frequency))
+    yield "the delay margin", _delay_shift(loop, m)
+    if m.bandwidth is not None:
+        yield "the bandwidth", _bandwidth_shift(loop, m.bandwidth)
+
+
+def _place(loop: Loop, w: float) -> tuple[float, complex, complex]:
+    """Return (v, num, den) at w in rad/s, both ends included."""
+    for v, top, bottom in loop.ends():
+        if w == loop.frequency(v):
+            return v, top, bottom
+    v = warp(w, loop.dt or 0.0)
+    return v, *loop.point(v)
+
+
+def _of_complementary(loop: Loop, place: tuple[float, complex, complex]) -> float:
+    """Return by which part of itself rounding moves T: dT/T = S dL/L."""
+    v, top, bottom = place
+    if not bottom:  # T is 1 whatever L is
+        return 0.0
+    return sum(_parts(loop, v)) * _over(abs(bottom), abs(bottom + top))
+
+
+def _of_disk(loop: Loop, place: tuple[float, complex, complex]) -> float:
+    """Return by which part of itself rounding moves (1 + L)/(1 - L): 2 L/(1 - L^2) times dL/L."""
+    v, top, bottom = place
+    if not (top and bottom):  # it is 1 or -1
+        return 0.0
+    closed, opposite = abs(bottom + top), abs(bottom - top)
+    return 2 * sum(_parts(loop, v)) * _over(abs(top), closed) * _over(abs(bottom), opposite)
+
+
+def _delay_shift(loop: Loop, m: Margins) -> float:
+    """Return by which part rounding moves the least delay: its phase, and its crossover."""
+    for w, pm_deg in m.gain_crossings:
+        turn = radians(pm_deg) % tau
+        if w and turn and abs(turn / w - m.delay_margin) <= 1e-9 * m.delay_margin:  # it is this one
+            part, gain_slope, _ = _sensitivity(loop, w)
+            v = warp(w, loop.dt or 0.0)
+            return radians(_phase_shift(loop, w)) / turn + _over(part, abs(gain_slope) * v)
+    return 0.0
+
+
+def _bandwidth_shift(loop: Loop, w: float) -> float:
+    """Return by which part rounding moves where |T| is 3 dB below what it is at w = 0."""
+    v = warp(w, loop.dt or 0.0)
+    top, bottom, dtop, dbottom = loop.slopes(v)
+    slope = (dtop / top - (dtop + dbottom) / (top + bottom)).real
+    off = _of_complementary(loop, (v, top, bottom)) + _of_complementary(loop, loop.ends()[0])
+    return _over(off, abs(slope) * v)
+
+
+def _over(a: float, b: float) -> float:
+    return a / b if b else inf if a else 0.0
 
 
 def _phase_shift(loop: Loop, w: float) -> float:
@@ -116,7 +180,7 @@ def _moved(loop: Loop, v: float, top: complex, bottom: complex) -> float:
     return_difference = abs(bottom + top)
     # what is 0 at an end stays small beside the other
     moved = (abs(top) * of_top if top else 0.0) + (abs(bottom) * of_bottom if bottom else 0.0)
-    return moved / return_difference if return_difference else inf if moved else 0.0
+    return _over(moved, return_difference)
 
 
 def _parts(loop: Loop, v: float) -> tuple[float, float]:
