@@ -5,8 +5,10 @@ line that names the argument, the bound, the value and a way out.
 """
 
 import sys
-import warnings
+from collections.abc import Iterable
+from types import FrameType
 from typing import Any
+from warnings import warn
 
 
 class ZohError(ValueError):
@@ -87,12 +89,14 @@ class AccuracyWarning(UserWarning):
     """A figure is not what it seems: rounding of z-coefficients has lost it, or no proof holds."""
 
 
-def warn(sentence: str) -> None:
-    """Warn of lost accuracy at the line outside this package that asked for the figure."""
-    depth, frame = 1, sys._getframe(1)
-    while frame.f_back is not None and frame.f_globals.get("__name__", "").split(".")[0] == "zoh":
-        depth, frame = depth + 1, frame.f_back
-    warnings.warn(sentence, AccuracyWarning, stacklevel=depth + 1)
+def warn_of_accuracy(sentences: Iterable[str]) -> None:
+    """Warn of each sentence at the line that called this package, however deep inside it is."""
+    for sentence in sentences:
+        frame: FrameType | None = sys._getframe(1)
+        level = 2
+        while frame is not None and frame.f_globals.get("__name__", "").split(".")[0] == "zoh":
+            frame, level = frame.f_back, level + 1
+        warn(sentence, AccuracyWarning, stacklevel=level)
 
 
 class NotMet(ZohError):

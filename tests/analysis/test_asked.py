@@ -102,6 +102,11 @@ def test_an_unstable_loop_has_nothing_else_to_answer_for():
     assert missed(asked, replace(MARGINS, stable=False), STEP) == ["the closed loop is unstable"]
 
 
+def test_a_loop_not_proved_to_be_stable_is_missed_and_not_called_unstable():
+    found = missed(Requirements(), replace(MARGINS, stable=None), STEP)
+    assert found == ["the closed loop is not proved to be stable"]
+
+
 def test_what_could_not_be_measured_is_missed():
     never = replace(STEP, settling_time=None)
     asked = Requirements(settling_time=1e9)

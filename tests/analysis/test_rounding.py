@@ -80,6 +80,41 @@ def test_the_bound_is_what_changing_last_bits_does(dt):
     assert bound / 200 < max(moved) < 1.5 * bound
 
 
+FIGURES = {
+    "Mt": "mt",
+    "the disk margin": "disk_margin",
+    "the delay margin": "delay_margin",
+    "the bandwidth": "bandwidth",
+}
+
+
+@pytest.mark.parametrize("dt", [1e-3, 1e-4])
+def test_the_bounds_of_the_other_figures_are_what_changing_last_bits_does(dt):
+    from zoh.analysis.rounding import _relative
+
+    loop = as_typed(pid_loop(dt))
+    one = measure_loop(Loop.of(loop))
+    bounds = {name: 2 * off for name, off in _relative(Loop.of(loop), one)}
+    moved = dict.fromkeys(FIGURES, 0.0)
+    for ups in product((-inf, inf), repeat=4):
+        den = [1.0, *(nextafter(c, ups[i % 4]) if c else c for i, c in enumerate(loop.den[1:]))]
+        num = [nextafter(c, ups[-1 - i % 4]) for i, c in enumerate(loop.num)]
+        other = measure_loop(Loop.of(Sampled(num=num, den=den, dt=dt)))
+        for name, figure in FIGURES.items():
+            off = abs(getattr(other, figure) / getattr(one, figure) - 1)
+            moved[name] = max(moved[name], off)
+    for name in FIGURES:
+        # 1.1: the bound is first order; 1/20: sixteen moves of all there are
+        assert bounds[name] / 20 < moved[name] < 1.1 * bounds[name]
+
+
+def test_every_figure_that_is_lost_is_named():
+    lost = measure_loop(Loop.of(as_typed(pid_loop(1e-5)))).warnings[0]
+    for name in ("phase margin", "gain margin", "Ms", *FIGURES):
+        assert f"{name} may be off by" in lost
+    assert "stability may be lost or won" in lost
+
+
 def test_the_report_says_so_once():
     typed = as_typed(pid_loop(1e-5))
     with pytest.warns(zoh.AccuracyWarning) as told:

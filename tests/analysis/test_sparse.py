@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from zoh.analysis.loop import Loop
-from zoh.analysis.sparse import Sparse, _jet, _parabola, _polished, _root, _stationary
+from zoh.analysis.sparse import Sparse, _by_secant, _jet, _parabola, _polished, _root, _stationary
 from zoh.analysis.squares import DROP, ON_DEN, ON_NUM, ON_OPPOSITE, Squares
 from zoh.lti.systems import Plant, Sampled
 
@@ -58,7 +58,7 @@ def test_the_values_are_those_of_the_exact_polynomials(loop):
         q = Fraction(grid(seen)[5]) * Fraction(seen.unit)
         assert seen.ratios[row, 5] == pytest.approx(value(s.closed, q) / value(under, q), rel=1e-9)
         assert seen.lowest_at[row] == int(seen.ratios[row].argmin())
-    assert seen.level == s.level
+    assert seen.squares is s
     assert seen.reach == inf
 
 
@@ -185,9 +185,18 @@ def test_a_polynomial_and_its_derivatives():
 
 
 def test_a_root_is_moved_onto_the_function_itself():
-    assert _polished(lambda v: v - 2.0, 2.0 * (1 + 1e-9)) == pytest.approx(2.0, rel=1e-15)
-    assert _polished(lambda v: v * v - 4.0, 2.0 * (1 - 1e-9)) == pytest.approx(2.0, rel=3e-16)
-    assert _polished(lambda v: 1.0, 2.0) == 2.0  # no slope
-    assert _polished(lambda v: v - 2.0, 2.1) == 2.1  # too far for a secant
-    assert _polished(lambda v: v - 2.0, 2.001) == pytest.approx(2.0, rel=1e-9)
-    assert _polished(lambda v: v - 2.0, 2.0021) == 2.0021
+    assert _by_secant(lambda v: v - 2.0, 2.0 * (1 + 1e-9)) == pytest.approx(2.0, rel=1e-15)
+    assert _by_secant(lambda v: v * v - 4.0, 2.0 * (1 - 1e-9)) == pytest.approx(2.0, rel=3e-16)
+    assert _by_secant(lambda v: 1.0, 2.0) == 2.0  # no slope
+    assert _by_secant(lambda v: v - 2.0, 2.1) == 2.1  # too far for a secant
+    assert _by_secant(lambda v: v - 2.0, 2.001) == pytest.approx(2.0, rel=1e-9)
+    assert _by_secant(lambda v: v - 2.0, 2.0021) == 2.0021
+
+
+def test_where_loop_and_polynomial_do_not_agree_the_exact_one_decides():
+    s = Squares.of(Loop.of(Plant(num=[2.0], den=[1.0, 1.0])))  # |L| = 1 at sqrt(3)
+    true = sqrt(3)
+    assert _polished(lambda v: v - true, true * (1 + 1e-12), s, s.gain) == true
+    for wrong in (5e-4, -5e-4, 1e-9, 0.0):  # from there, or where floats say that it is
+        found = _polished(lambda v: v - true * 1.0001, true * (1 + wrong), s, s.gain)
+        assert found == pytest.approx(true, rel=3e-16)

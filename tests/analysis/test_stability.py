@@ -114,6 +114,15 @@ def test_modes_far_apart_and_a_dead_time():
         assert closed_loop_stable(Loop.of(plant)) is stable
 
 
+@pytest.mark.parametrize("gain", [1e-8, 1e-30, 1e-100])
+def test_a_weak_loop_around_an_integrator_is_proved(gain):
+    """K exp(-0.1 s)/(s (s + 1)): |L| = 1 at w = K, all but 90 deg from -1, and only there."""
+    found, why = decided(Loop.of(Plant(num=[gain], den=[1.0, 1.0, 0.0], dead_time=0.1)))
+    assert (found, why.holds) == (True, True)
+    found, why = decided(Loop.of(Plant(num=[-gain], den=[1.0, 1.0, 0.0], dead_time=0.1)))
+    assert (found, why.holds) == (False, True)  # a pole near s = K
+
+
 def test_the_points_on_the_turns_of_a_delay():
     late = Loop.of(Plant(num=[1.0], den=[1.0, 1.0], dead_time=2.0))
     for scale, last in ((3.0, 30.0), (100.0, 300.0)):  # ten times the loop, 600 rad at most

@@ -51,14 +51,14 @@ def test_what_is_not_proved_is_not_called_so():
 
 
 def test_a_report_of_an_unstable_loop():
-    # 3/(z - 1): |L| is 1.5 at least; the pole of the closed loop is z = -2, and T = 3/(z + 2) is
-    # 3 at z = -1, S = (z - 1)/(z + 2) is 2 there
+    # 3/(z - 1): |L| is 1.5 at least, at z = -1; the pole of the closed loop is z = -2, and
+    # T = 3/(z + 2) is 3 at z = -1, S = (z - 1)/(z + 2) is 2 there
     assert measure(INTEGRATOR, Sampled(num=[3.0], den=[1], dt=1.0)).report() == (
         "given: given\n"
         "  D(z) = 3, dt = 1 s\n"
         "  closed loop UNSTABLE\n"
         "  phase margin inf deg at no rad/s, gain margin -3.522 dB at 3.14159 rad/s\n"
-        "  delay margin 0 s, Ms 2, Mt 3, bandwidth no rad/s\n"
+        "  delay margin 1 s, Ms 2, Mt 3, bandwidth no rad/s\n"
         "  proved: stability, every crossing, every peak\n"
         "  MISSED: the closed loop is unstable"
     )
@@ -224,6 +224,22 @@ def test_lost_digits_are_warned_of_where_the_caller_stands(monkeypatch):
     with pytest.warns(zoh.AccuracyWarning, match="^digits are lost$") as caught:
         measure(INTEGRATOR, HALF)
     assert [w.filename for w in caught] == [__file__]
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: zoh.verify(INTEGRATOR, HALF),
+        lambda: zoh.pi(INTEGRATOR, dt=1.0, wc=0.3, pm_deg=50),
+        lambda: zoh.design(INTEGRATOR, "p", {"wc": 0.3}, dt=1.0),
+    ],
+)
+def test_a_warning_points_past_every_frame_of_the_package(monkeypatch, call):
+    measured = room.measure_loop
+    monkeypatch.setattr(room, "measure_loop", lambda x: replace(measured(x), warnings=("lost",)))
+    with pytest.warns(zoh.AccuracyWarning, match="^lost$") as caught:
+        call()
+    assert {w.filename for w in caught} == {__file__}
 
 
 def test_what_the_module_gives_out():

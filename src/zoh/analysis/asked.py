@@ -54,6 +54,8 @@ def missed(
     asked: Requirements, margins: Margins, step: StepInfo | None, noise_gain: float | None = None
 ) -> list[str]:
     """Return a sentence for each requirement missed, instability first."""
+    if margins.stable is None:
+        return ["the closed loop is not proved to be stable"]
     if not margins.stable:
         return ["the closed loop is unstable"]
     found = of_margins(asked, margins)

@@ -5,20 +5,21 @@ polynomials in v^2 and along every turn of a delay. A sign change between neighb
 in on with the loop itself, and every valley of a ratio is followed to its bottom.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import inf, pi
 
 import numpy as np
 
 from zoh.analysis.crossings import least, sign_changes
-from zoh.analysis.loop import Array, ComplexArray, Loop
-from zoh.analysis.squares import Below, Squares
+from zoh.analysis.loop import Array, ComplexArray, Loop, scalar
+from zoh.analysis.squares import Below, Squares, corners
 from zoh.errors import SpecError
 from zoh.lti import poly, whole
 from zoh.lti.whole import Whole
 
 _LIKE_THE_END = 1.01  # times |L| at infinity: the turns from there on look alike
+_FLAT = 1e-12  # |L| - 1 that may be rounding
 _MOST = 200_000  # points on a dead time's turns; more turns than that are not a control loop
 # distances from a mode's frequency in units of its damping: near enough to see its peak, far
 # enough to meet the decades grid
@@ -44,8 +45,9 @@ class Close:
     @classmethod
     def of(cls, loop: Loop, squares: Squares) -> "Close":
         """Return the look; raise SpecError for a dead time that turns too often."""
-        roots = [_suspects(a) for a in (squares.gain, squares.turn, squares.drop)]
-        marks = _landmarks(loop)
+        signed = (squares.gain, squares.turn, squares.drop)
+        roots = [_suspects(a) for a in signed]
+        marks = _landmarks(loop, [2.0 ** (x / 2) for x in corners(signed)])
         turns = _delay_grid(loop, marks)
         v = np.unique(np.concatenate([marks, turns, *roots]))
         v = v[np.isfinite(v) & (v > 0)]
@@ -55,8 +57,17 @@ class Close:
 
     def unities(self) -> list[float]:
         """Return every v at which |L| = 1, ascending."""
-        signs = np.sign(np.abs(self.top) - np.abs(self.bottom))
-        return sign_changes(self.loop.excess, self.v, signs)
+        over = np.abs(self.top) - np.abs(self.bottom)
+        for i in np.flatnonzero(np.abs(over) < _FLAT * np.abs(self.bottom)):
+            over[i] = self.squares.over_bottom(self.squares.gain, float(self.v[i]))
+        return sign_changes(self._excess, self.v, np.sign(over))
+
+    def _excess(self, v: float) -> float:
+        """Return |L| - 1, from the exact polynomials where floats do not tell it from 0."""
+        bottom = abs(scalar(self.loop.den, v))
+        if bottom and abs(over := self.loop.excess(v) / bottom) >= _FLAT:
+            return over
+        return self.squares.over_bottom(self.squares.gain, v) / 2
 
     def turns(self) -> list[float]:
         """Return every v up to ``reach`` at which L is real, ascending."""
@@ -98,10 +109,11 @@ def _by_polynomial(turn: Whole) -> Callable[[float], float]:
     """Return a function of v with the sign of the polynomial ``turn`` of v^2, in floats."""
     octaves = _middle(turn)
     scaled = whole.floats(turn, octaves, whole.size(turn, octaves))
-    unit = 2.0**-octaves
+    half, odd = divmod(-octaves, 2)
+    unit, rest = 2.0**half, 2.0**odd
 
     def turning(v: float) -> float:
-        q = v * v * unit
+        q = (v * unit) ** 2 * rest
         x, y = (q, 1.0) if q < 1 else (1.0, 1 / q)  # no power overflows
         value, power = scaled[0], y
         for c in scaled[1:]:
@@ -125,18 +137,22 @@ def _suspects(a: Whole) -> Array:
     is asked too.
     """
     octaves = _middle(a)
-    q = poly.roots(whole.floats(a, octaves, whole.size(a, octaves))) * 2.0**octaves
+    q = poly.roots(whole.floats(a, octaves, whole.size(a, octaves)))
     q = q[np.isfinite(q) & (np.abs(q) > 0) & (q.real > -0.1 * np.abs(q))]
-    v = np.sqrt(np.concatenate([np.abs(q), np.abs(q.real)]))
+    half, odd = divmod(octaves, 2)  # the root is within a float where q may not be
+    v = np.sqrt(np.concatenate([np.abs(q), np.abs(q.real)]) * 2.0**odd) * 2.0**half
     v = v[v > 0]
     return np.concatenate([v, v * (1 - 1e-7), v * (1 + 1e-7)])
 
 
-def _landmarks(loop: Loop) -> Array:
-    """Return frequencies v > 0, ascending, between which the loop does nothing sudden."""
+def _landmarks(loop: Loop, turning: Sequence[float] = ()) -> Array:
+    """Return frequencies v > 0, ascending, between which the loop does nothing sudden.
+
+    turning  v at which its polynomials turn from one power to the next, beside its modes
+    """
     modes = [poly.roots(a) for a in (loop.num, loop.den, loop.closed(), loop.closed(-1.0))]
     every = np.concatenate(modes)
-    size = np.abs(every)
+    size = np.append(np.abs(every), turning)
     size = size[(size > 0) & np.isfinite(size)]
     if loop.dt is not None:
         size = np.append(size, 2 / loop.dt)
@@ -144,7 +160,7 @@ def _landmarks(loop: Loop) -> Array:
         size = np.append(size, 1 / loop.dead_time)
     if not size.size:
         size = np.array([1.0])
-    low, high = max(size.min() / 100, 1e-300), min(size.max() * 100, 1e300)
+    low, high = max(size.min() / 100, 1e-307), min(size.max() * 100, 1e300)
     count = int(12 * (np.log10(high) - np.log10(low))) + 2
     around = np.abs(every.imag)[:, None] + np.abs(every.real)[:, None] * _AROUND
     v = np.concatenate([np.geomspace(low, high, count), around.ravel(), np.abs(every)])

@@ -1,150 +1,40 @@
 """Bounds between the points of a grid, for loops whose delay leaves no polynomial.
 
-On an interval around c, |v - c| <= h, a polynomial stays within a disc around its value at c,
-whose radius is its Taylor series with all signs positive, and exp(-j psi) within one of radius
-|psi - psi(c)|. So num exp(-j psi) and den stay in discs, and what they cannot do there is
-proved. An interval on which nothing is proved is halved. The last one reaches to infinity:
-there x = 1/v is the variable, and the polynomials are read backwards.
+On an interval num exp(-j psi) and den stay in the discs of ``stretches``, and what they cannot
+do there is proved. An interval on which nothing is proved is halved.
 Source: R. E. Moore, Interval Analysis, 1966, ch. 3 (centred forms, subdivision).
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
 from math import pi
 
 import numpy as np
-import numpy.typing as npt
 
-from zoh.analysis.loop import Array, ComplexArray, Loop
+from zoh.analysis.loop import Array, Loop
 from zoh.analysis.results import Proof
 from zoh.analysis.squares import Below
+from zoh.analysis.stretches import (
+    TURNED,
+    Bools,
+    Discs,
+    Stretch,
+    decided,
+    product,
+    stretches,
+    taylor,
+)
 
 PEAK_TOL = 1e-6  # relative; nearer to a peak than this the intervals would become too many
-_ROUNDING = 1e-14  # of the sum of a polynomial's terms, added to each radius
 _REAL = 1e-12  # of its size, an imaginary part that is rounding
-_TURNED = 1e-15  # of a phase in rad, its rounding and that of its exponential
 _JUST_BEYOND = 1e-7  # of a root: far enough for its sign, near enough to have no other one
-_MOST = 400_000  # intervals
-_ROUNDS = 60  # halvings
-
-Bools = npt.NDArray[np.bool_]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Discs:
-    """num exp(-j psi) and den, and their derivatives, on intervals [a, b]: centres and radii.
-
-    Shapes (K,).
-    """
-
-    top: ComplexArray
-    top_radius: Array
-    bottom: ComplexArray
-    bottom_radius: Array
-    top_slope: ComplexArray
-    top_slope_radius: Array
-    bottom_slope: ComplexArray
-    bottom_slope_radius: Array
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Stretch:
-    """The loop as a function of a real variable: v up to the last point, 1/v beyond.
-
-    num, den  complex coefficients, descending powers; ends the intervals' ends, ascending
-    """
-
-    loop: Loop
-    num: ComplexArray
-    den: ComplexArray
-    ends: Array
-    beyond: bool
-
-    def psi(self, x: Array) -> Array:
-        """Return the delay's phase lag in rad."""
-        loop = self.loop
-        if not self.beyond:
-            return np.asarray(loop.psi(x))
-        dt = loop.dt or 0.0
-        return loop.dead_time * 2 / dt * np.arctan2(dt / 2, x) if dt else np.full_like(x, np.inf)
-
-    def psi_slope(self, x: Array) -> Array:
-        """Return d psi/dx, in size largest at the interval's near end."""
-        loop = self.loop
-        if not self.beyond:
-            return np.broadcast_to(np.asarray(loop.psi_slope(x)), x.shape)
-        half = (loop.dt or 0.0) / 2
-        return -loop.dead_time / (x * x + half * half)
-
-    def discs(self, a: Array, b: Array) -> Discs:
-        """Return the discs of the intervals [a, b]."""
-        c, h = (a + b) / 2, (b - a) / 2
-        top, top_radius, top_slope, top_slope_radius = _taylor(self.num, c, h)
-        bottom, bottom_radius, bottom_slope, bottom_slope_radius = _taylor(self.den, c, h)
-        if self.beyond and self.loop.dt is None:  # turns for ever: any phase
-            size = np.abs(top) + top_radius
-            free = np.full_like(size, np.inf)
-            return Discs(
-                top=0 * top, top_radius=size, bottom=bottom, bottom_radius=bottom_radius,
-                top_slope=top_slope, top_slope_radius=free,
-                bottom_slope=bottom_slope, bottom_slope_radius=bottom_slope_radius,
-            )  # fmt: skip
-        psi, ends = self.psi(c), (self.psi(a), self.psi(b))
-        swing = np.maximum(np.abs(ends[0] - psi), np.abs(ends[1] - psi))
-        swing = swing + _TURNED * (np.abs(ends[0]) + np.abs(ends[1]))
-        loose = swing >= 1  # a disc around 0 that holds every phase is smaller then
-        turned = np.exp(-1j * psi)
-        slope_a, slope_c, slope_b = (self.psi_slope(x) for x in (a, c, b))
-        rate = np.maximum(np.abs(slope_a - slope_c), np.abs(slope_b - slope_c))
-        size = np.abs(top) + top_radius
-        moved = top_slope - 1j * slope_c * top
-        moved_radius = top_slope_radius + np.abs(slope_c) * top_radius + rate * size
-        return Discs(
-            top=np.where(loose, 0, top * turned),
-            top_radius=np.where(loose, size, top_radius + swing * size),
-            bottom=bottom, bottom_radius=bottom_radius,
-            top_slope=moved * turned,
-            top_slope_radius=moved_radius
-            + np.minimum(swing, 2.0) * (np.abs(moved) + moved_radius),
-            bottom_slope=bottom_slope, bottom_slope_radius=bottom_slope_radius,
-        )  # fmt: skip
-
-    def at(self, x: Array) -> tuple[ComplexArray, ComplexArray]:
-        """Return (num exp(-j psi), den) at x."""
-        top = np.polyval(self.num, x)
-        if self.beyond and self.loop.dt is None:
-            top = np.where(x == 0, 0, top * np.exp(-1j * self.loop.dead_time / np.where(x, x, 1)))
-        else:
-            top = top * np.exp(-1j * self.psi(x))
-        return np.asarray(top), np.asarray(np.polyval(self.den, x))
-
-    def over_powers(self) -> "Stretch":
-        """Return num and den each over the power of x that it has as a factor.
-
-        That turns L by no angle, and leaves it a direction where it is 0 or infinite at x = 0.
-        """
-        num, den = (np.trim_zeros(a, "b") for a in (self.num, self.den))
-        return replace(self, num=num, den=den)
-
-
-def stretches(loop: Loop, v: Array) -> tuple[Stretch, Stretch]:
-    """Return the loop up to the last of v and beyond it; there num and den are over (jv)^n."""
-    n = len(loop.den) - 1
-    powers = 1j ** np.arange(n, -1, -1)
-    num, den = np.array(loop.num) * powers, np.array(loop.den) * powers
-    backwards = (-1j) ** np.arange(n, -1, -1)  # (jv)^-i = (-j x)^i
-    last = float(v[-1])
-    return (
-        Stretch(loop=loop, num=num, den=den, ends=np.concatenate([[0.0], v]), beyond=False),
-        Stretch(
-            loop=loop, num=np.array(loop.num[::-1]) * backwards,
-            den=np.array(loop.den[::-1]) * backwards, ends=np.array([0.0, 1 / last]), beyond=True,
-        ),
-    )  # fmt: skip
 
 
 def least(loop: Loop, v: Array, value: float, below: Below) -> Proof:
-    """Return whether |den + num| >= value |below| everywhere, but for PEAK_TOL of it."""
+    """Return whether |den + num| >= value |below| everywhere, but for PEAK_TOL of it.
+
+    From the discs at once; where num is loud and of any phase from its least size; else from
+    the value at the centre and the slope.
+    """
     floor = value * (1 - PEAK_TOL)
 
     def holds(d: Discs) -> Bools:
@@ -158,11 +48,41 @@ def least(loop: Loop, v: Array, value: float, below: Below) -> Proof:
         above = np.abs(d.bottom + d.top) - d.top_radius - d.bottom_radius
         under = np.abs(below[0] * d.bottom + below[1] * d.top)
         radius = abs(below[0]) * d.bottom_radius + abs(below[1]) * d.top_radius
-        return np.asarray(one | (above > floor * (under + radius)))
+        apart = d.top_least - np.abs(d.bottom) - d.bottom_radius
+        most = abs(below[0]) * (np.abs(d.bottom) + d.bottom_radius)
+        most = most + abs(below[1]) * (np.abs(d.top) + d.top_radius)
+        good = np.asarray(one | (above > floor * (under + radius)) | (apart > floor * most))
+        good[~good] = _stays_above(d.where(~good), floor, below)
+        return good
 
-    proved = all(_decided(part, holds) is not None for part in stretches(loop, v))
+    proved = all(decided(part, holds) is not None for part in stretches(loop, v))
     detail = f"nowhere below {value:.9g} by more than {PEAK_TOL:g} of it"
     return Proof(holds=proved, method="discs", detail=detail)
+
+
+def _stays_above(d: Discs, floor: float, below: Below) -> Bools:
+    """Return whether |den + num|^2 - floor^2 |below|^2 > 0, by its value and its slope.
+
+    The slope is small where the ratio is all but constant, as that of a weak loop is.
+    """
+
+    def square(on_bottom: float, on_top: float) -> tuple[Array, Array, Array]:
+        x, dx = (on_bottom * b + on_top * t for b, t in ((d.bottom, d.top), sloped))
+        r, dr, blur = (abs(on_bottom) * b + abs(on_top) * t for b, t in radii)
+        slope, slope_radius = 2 * (dx * np.conj(x)).real, 2 * product(dx, dr, x, r)
+        return np.abs(x) ** 2, np.abs(x) * (2 * blur) + blur**2, np.array([slope, slope_radius])
+
+    sloped = d.bottom_slope, d.top_slope
+    radii = (
+        (d.bottom_radius, d.top_radius),
+        (d.bottom_slope_radius, d.top_slope_radius),
+        (d.bottom_blur, d.top_blur),
+    )
+    level = floor * floor
+    with np.errstate(invalid="ignore"):  # of any phase: no slope
+        (above, off, up), (under, also, down) = square(1.0, 1.0), square(*below)
+        slope = np.abs(up[0] - level * down[0]) + up[1] + level * down[1]
+        return np.asarray(above - off - level * (under + also) > slope * d.half)
 
 
 def turns(loop: Loop, v: Array, found: int) -> Proof:
@@ -174,19 +94,19 @@ def turns(loop: Loop, v: Array, found: int) -> Proof:
         return Proof(holds=True, method="bound", detail="L is 0")
 
     def value(d: Discs) -> tuple[Array, Array]:
-        radius = _product(d.top, d.top_radius, d.bottom, d.bottom_radius)
+        radius = product(d.top, d.top_radius, d.bottom, d.bottom_radius)
         return (d.top * np.conj(d.bottom)).imag, radius
 
     def slope(d: Discs) -> tuple[Array, Array]:
         one = (d.top_slope * np.conj(d.bottom)).imag + (d.top * np.conj(d.bottom_slope)).imag
-        radius = _product(d.top_slope, d.top_slope_radius, d.bottom, d.bottom_radius)
-        radius = radius + _product(d.top, d.top_radius, d.bottom_slope, d.bottom_slope_radius)
+        radius = product(d.top_slope, d.top_slope_radius, d.bottom, d.bottom_radius)
+        radius = radius + product(d.top, d.top_radius, d.bottom_slope, d.bottom_slope_radius)
         return one, radius
 
     def at(part: Stretch, x: Array) -> Array:
         top, bottom = part.at(x)
         side = (top * np.conj(bottom)).imag
-        real = (x == 0) & (np.abs(side) <= (_REAL + _TURNED * part.psi(x)) * np.abs(top * bottom))
+        real = (x == 0) & (np.abs(side) <= (_REAL + TURNED * part.psi(x)) * np.abs(top * bottom))
         return np.asarray(np.where(real, 0.0, side))
 
     parts = [part.over_powers() for part in stretches(loop, v)[: 1 if loop.dt is None else 2]]
@@ -208,8 +128,8 @@ def passages(loop: Loop, v: Array, level: float, found: Sequence[float]) -> Proo
 
     def value(d: Discs) -> tuple[Array, Array]:
         closed, closed_radius = d.top + d.bottom, d.top_radius + d.bottom_radius
-        radius = _product(d.top, d.top_radius, d.top, d.top_radius)
-        radius = radius + square * _product(closed, closed_radius, closed, closed_radius)
+        radius = product(d.top, d.top_radius, d.top, d.top_radius)
+        radius = radius + square * product(closed, closed_radius, closed, closed_radius)
         return np.abs(d.top) ** 2 - square * np.abs(closed) ** 2, radius
 
     def slope(d: Discs) -> tuple[Array, Array]:
@@ -217,8 +137,8 @@ def passages(loop: Loop, v: Array, level: float, found: Sequence[float]) -> Proo
         moved = d.top_slope + d.bottom_slope
         moved_radius = d.top_slope_radius + d.bottom_slope_radius
         one = (d.top_slope * np.conj(d.top)).real - square * (moved * np.conj(closed)).real
-        radius = _product(d.top_slope, d.top_slope_radius, d.top, d.top_radius)
-        return one, radius + square * _product(moved, moved_radius, closed, closed_radius)
+        radius = product(d.top_slope, d.top_slope_radius, d.top, d.top_radius)
+        return one, radius + square * product(moved, moved_radius, closed, closed_radius)
 
     def at(part: Stretch, x: Array) -> Array:
         top, bottom = part.at(x)
@@ -236,7 +156,7 @@ def passages(loop: Loop, v: Array, level: float, found: Sequence[float]) -> Proo
 def _keeps_off(beyond: Stretch, level: float) -> bool:
     """Return whether |T| keeps off the level whichever way a dead time turns L."""
     half = beyond.ends[1:] / 2
-    top, bottom = (_taylor(a, half, half) for a in (beyond.num, beyond.den))
+    top, bottom = (taylor(a, half, half) for a in (beyond.num, beyond.den))
     (low, high), (least, most) = ((abs(x[0]) - x[1], abs(x[0]) + x[1]) for x in (top, bottom))
     return bool((low > level * (most + low)).all() or (high < level * (least - high)).all())
 
@@ -256,7 +176,7 @@ def unstable_zeros(loop: Loop, v: Array) -> int | None:
 
     turned = 0.0
     for part in stretches(loop, v):
-        ends = _decided(part, leaves_out_zero)
+        ends = decided(part, leaves_out_zero)
         if ends is None:
             return None
         f, g = (np.add(*part.at(x)) for x in ends)
@@ -280,7 +200,7 @@ def _changes(
         (y, r), (s, q) = value(d), slope(d)
         return np.asarray((np.abs(y) > r) | (np.abs(s) > q))
 
-    ends = _decided(part, one_way)
+    ends = decided(part, one_way)
     if ends is None:
         return None
     first, last = (np.sign(at(part, x)) for x in ends)
@@ -295,47 +215,3 @@ def _counted(numbers: list[int | None], found: int, upto: str = "") -> Proof:
     number = sum(n for n in numbers if n is not None)
     detail = f"{number} sign changes on the axis{upto}, {found} found"
     return Proof(holds=number == found, method="discs", detail=detail)
-
-
-def _decided(part: Stretch, test: Callable[[Discs], Bools]) -> tuple[Array, Array] | None:
-    """Return intervals (a, b) on each of which the test holds; None where there are none."""
-    a, b = part.ends[:-1], part.ends[1:]
-    done: list[tuple[Array, Array]] = []
-    total = 0
-    for _ in range(_ROUNDS):
-        with np.errstate(invalid="ignore"):  # a radius may be infinite: nothing is proved there
-            good = test(part.discs(a, b))
-        done.append((a[good], b[good]))
-        a, b = a[~good], b[~good]
-        total += len(good)
-        if not a.size:
-            return np.concatenate([x for x, _ in done]), np.concatenate([x for _, x in done])
-        if total > _MOST:
-            return None
-        middle = (a + b) / 2
-        a, b = np.concatenate([a, middle]), np.concatenate([middle, b])
-    return None
-
-
-def _product(x: ComplexArray, rx: Array, y: ComplexArray, ry: Array) -> Array:
-    """Return the radius of the product of two discs around the product of their centres."""
-    return np.asarray(np.abs(x) * ry + np.abs(y) * rx + rx * ry)
-
-
-def _taylor(a: ComplexArray, c: Array, h: Array) -> tuple[ComplexArray, Array, ComplexArray, Array]:
-    """Return (a, radius, a', radius) on |x - c| <= h."""
-    series = [np.full(c.shape, x) for x in a]
-    n = len(series) - 1
-    for end in range(n + 1, 1, -1):  # divided by x - c again and again: the remainders
-        for j in range(1, end):
-            series[j] = series[j] + c * series[j - 1]
-    size, slope_size, power = np.zeros_like(h), np.zeros_like(h), np.ones_like(h)
-    for k in range(1, n + 1):
-        term = np.abs(series[n - k])
-        if k > 1:
-            slope_size = slope_size + k * term * power
-        power = power * h
-        size = size + term * power
-    blur = _ROUNDING * (n + 1) * np.polyval(np.abs(a), np.abs(c) + h)
-    slope = series[n - 1] if n else np.zeros_like(series[0])
-    return series[n], size + blur, slope, slope_size + blur * n / (np.abs(c) + h)

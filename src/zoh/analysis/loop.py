@@ -19,6 +19,7 @@ from zoh.lti import poly, whole
 from zoh.lti.poly import Poly
 from zoh.lti.systems import Plant, Sampled
 from zoh.lti.whole import Whole
+from zoh.lti.wplane import z_to_w
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
@@ -34,6 +35,8 @@ class Loop:
     dt         s, the sample time; None for a continuous loop
     dead_time  s, the delay kept apart from the polynomials
     rounded    the factors that were given as z-coefficients
+    given      whether all of it is coefficients that were given, so that exact is the truth; what
+               a hold has made is rounded, and equals 1 or not but for that
     """
 
     num: Poly
@@ -42,6 +45,7 @@ class Loop:
     dt: float | None
     dead_time: float
     rounded: tuple[Sampled, ...] = ()
+    given: bool = True
 
     @classmethod
     def of(cls, *systems: Plant | Sampled) -> "Loop":
@@ -73,6 +77,7 @@ class Loop:
             num=top_floats, den=bottom_floats, exact=(num, den), dt=_dt(first),
             dead_time=dead_time,
             rounded=tuple(r for s in systems if isinstance(s, Sampled) for r in s.rounded),
+            given=all(_is_given(s) for s in systems),
         )  # fmt: skip
 
     def frequency(self, v: float) -> float:
@@ -165,6 +170,12 @@ class Loop:
             found.append((inf, num[0], den[0]))
         return tuple(found)
 
+    def is_one_at(self, v: float) -> bool:
+        """Return whether |L| is 1, exactly, at one of its ends."""
+        num, den = self.exact if v else (a[::-1] for a in self.exact)
+        top, bottom = next(pair for pair in zip(num, den, strict=True) if any(pair))
+        return abs(top) == abs(bottom)
+
     def closed(self, sign: float = 1.0) -> Poly:
         """Return den + sign num, the closed loop's polynomial where there is no delay."""
         return poly.plus(self.den, self.num, sign)
@@ -197,12 +208,24 @@ def _dt(system: Plant | Sampled | None) -> float | None:
 
 def _parts(system: Plant | Sampled) -> tuple[Whole, Whole, int, float]:
     """Return (num, den, unit, delay): whole numbers that are the coefficients times unit."""
+    if isinstance(system, Sampled) and _is_given(system):
+        n = len(system.den) - 1 - system.delay
+        num, unit = z_to_w(system.num, system.dt, n)
+        den, below = z_to_w(system.den[: n + 1], system.dt, n)
+        most = max(unit, below)  # both are powers of two
+        num, den = [c * (most // unit) for c in num], [c * (most // below) for c in den]
+        return num, den, most, system.delay * system.dt
     if isinstance(system, Sampled):
         (num, den), unit = whole.of(system.num_w, system.den_w)
         return num, den, unit, system.delay * system.dt
     (num, den, sensor, one), unit = whole.of(system.num, system.den, (system.sensor,), (1.0,))
     num, den = whole.times(num, sensor), whole.times(den, one)
     return num, den, unit * unit, system.dead_time
+
+
+def _is_given(system: Plant | Sampled) -> bool:
+    """Return whether the coefficients are those that somebody gave, in s or in z."""
+    return isinstance(system, Plant) or any(r is system for r in system.rounded)
 
 
 def out_of_range(coefficients: object) -> SpecError:

@@ -13,7 +13,7 @@ Control Systems 40(5), 2020, eq. (5) with sigma = 0.
 
 from cmath import phase
 from dataclasses import replace
-from math import degrees, inf, isnan, log, radians, tau
+from math import degrees, frexp, inf, isnan, log, radians, tau
 
 import numpy as np
 
@@ -25,17 +25,17 @@ from zoh.analysis.rounding import doubts
 from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import LONG, ON_DEN, ON_NUM, ON_OPPOSITE, Below, Squares
 from zoh.analysis.stability import decided
-from zoh.errors import warn
+from zoh.errors import warn_of_accuracy
 from zoh.lti import poly
 from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
 from zoh.lti.systems import Plant, Sampled
 
-_TOUCHES = 4e-15  # |L| this near to 1 at an end of the axis is 1: a few roundings, and
+_TOUCHES = 4e-15  # |L| this near to 1 at an end of what a hold made is 1: a few roundings, and
 _AT_A_ROOT = 1e-13  # of its terms: what num conj den is, in floats, at a root of num or den
 _ON_IT_DEG = 1e-12  # a margin this small is 0: a few roundings of the angle
 _CHEAP = 2.5  # samples of delay up to which a proof costs less than a look from close by
-_TINY = 1e-290  # a product below it has lost digits
 _BLUR = 1e-6  # the crossing they make up this near to it (|L| is flat there) is none
+_SMALL, _LARGE = 1e-100, 1e100  # sizes whose squares a float holds, with room for a ratio
 
 Crossings = list[tuple[float, float]]
 
@@ -58,8 +58,7 @@ def margins(loop: Plant | Sampled | FrequencyResponse | TabledLoop) -> Margins:
 
         return table_margins(loop)
     found = measure_loop(Loop.of(loop))
-    for sentence in found.warnings:
-        warn(sentence)
+    warn_of_accuracy(found.warnings)
     return found
 
 
@@ -135,7 +134,7 @@ def _measured(
     nearest_phase = min(by_gain, key=lambda c: abs(c[1]), default=(None, inf))
     modulus, complementary, disk = peaks
     return Margins(
-        stable=stable is True,
+        stable=stable,
         gain_margin=nearest_gain[1],
         phase_crossover=nearest_gain[0],
         phase_margin_deg=nearest_phase[1],
@@ -165,7 +164,10 @@ def _gain_crossings(
         if not bottom or abs(abs(top / bottom) - 1) > _TOUCHES:
             continue
         w = loop.frequency(v)
-        crossings = [c for c in crossings if abs(c[0] - w) > _BLUR * _scale(loop)]
+        if not loop.given:
+            crossings = [c for c in crossings if abs(c[0] - w) > _BLUR * _scale(loop)]
+        elif not loop.is_one_at(v):
+            continue
         if top / bottom < 0:
             crossings.append((w, 0.0))
     return sorted(crossings)
@@ -179,14 +181,11 @@ def _phase_crossings(
         return _always_real(loop, squares, unities)
     crossings = []
     for v in turns:
-        top, bottom = loop.point(v)
+        (top, of_top), (bottom, of_bottom) = map(_within_floats, loop.point(v))
         product = (top * bottom.conjugate()).real
-        if not _TINY < abs(product) < inf:
-            ratio = _ratio(top, bottom)
-            if ratio.real < -_AT_A_ROOT * abs(ratio):
-                crossings.append((loop.frequency(v), -1 / ratio.real))
-        elif product < -_AT_A_ROOT * _bulk(loop, v):
-            crossings.append((loop.frequency(v), -_square(bottom) / product))
+        if product < -_AT_A_ROOT * _bulk(loop, v, of_top, of_bottom):
+            factor = -_square(bottom) / product * (of_top / of_bottom)
+            crossings.append((loop.frequency(v), factor))
     every = crossings + _at_the_ends(loop)
     return sorted((w, factor) for w, factor in every if 0 < factor < inf)  # what a float holds
 
@@ -224,22 +223,15 @@ def peak(loop: Loop, squares: Squares, look: Look, below: Below) -> Peak:
 
 
 def _delay_margin(loop: Loop, by_gain: Crossings) -> float:
-    """Return the least delay in s that turns a crossing onto -1.
+    """Return the least delay in s that turns a crossing onto -1, or what a loud end allows.
 
-    A continuous loop whose gain stays above 1 at the highest frequencies bears none at all. A
-    sampled one whose gain is above 1 at Nyquist's frequency, where L is real, bears at most what
-    turns that end of the curve onto the negative axis, too: a sample, or nothing.
+    A gain of 1 or more at the highest frequencies bears no delay in a continuous loop: any turns
+    it onto -1 somewhere. In a sampled one it bears less than one sample: at z = -1 an odd number
+    of samples turns L round, and puts den + num there on the other side of 0.
     """
-    found = [_delay(w, pm) for w, pm in by_gain if w or abs(pm) < _ON_IT_DEG]
     _, top, bottom = loop.ends()[-1]
-    if abs(top) >= abs(bottom):  # at the end |L| is 1 or more
-        if loop.dt is None:
-            return 0.0
-        if top * bottom < 0:
-            found.append(0.0)
-        else:
-            found.append(loop.dt)
-    return min(found, default=inf)
+    loud = top != 0 and abs(top) >= abs(bottom)
+    return min([_delay(w, pm) for w, pm in by_gain] + [loop.dt or 0.0] * loud, default=inf)
 
 
 def _delay(w: float, pm_deg: float) -> float:
@@ -259,19 +251,21 @@ def _scale(loop: Loop) -> float:
 
 def _margin_deg(top: complex, bottom: complex) -> float:
     """Return the angle from -180 deg to L, in (-180, 180]."""
-    product = -top * bottom.conjugate()
-    if not _TINY < abs(product.real) + abs(product.imag) < inf:
-        product = -_ratio(top, bottom)
-    angle = degrees(phase(product))
+    (top, _), (bottom, _) = _within_floats(top), _within_floats(bottom)
+    angle = degrees(phase(-top * bottom.conjugate()))
     return 180.0 if angle <= -180 else angle
 
 
-def _ratio(top: complex, bottom: complex) -> complex:
-    """Return top/bottom where their product is beyond a float; bottom 0 counts as the least."""
-    return top / (bottom or _TINY)
+def _bulk(loop: Loop, v: float, of_top: float, of_bottom: float) -> float:
+    """Return what |num den| would be at v if nothing cancelled, each times its unit."""
+    top = poly.at([abs(c) for c in loop.num], v) * of_top
+    return float(top * (poly.at([abs(c) for c in loop.den], v) * of_bottom))
 
 
-def _bulk(loop: Loop, v: float) -> float:
-    """Return what |num den| would be at v if nothing cancelled."""
-    top = poly.at([abs(c) for c in loop.num], v)
-    return float(top * poly.at([abs(c) for c in loop.den], v))
+def _within_floats(x: complex) -> tuple[complex, float]:
+    """Return (x unit, unit), a power of two that keeps products of two such within a float."""
+    size = abs(x)
+    if _SMALL < size < _LARGE or not 0 < size < inf:
+        return x, 1.0
+    unit = 2.0 ** -frexp(size)[1]
+    return x * unit, unit

@@ -59,17 +59,18 @@ class Certificate:
 class Margins:
     """The margins of a loop L in unity negative feedback.
 
-    stable            the closed loop's poles are all inside the stable region; None where a
-                      table of measured points does not decide it
+    stable            the closed loop's poles are all inside the stable region, proved either
+                      way; None where no proof decides it, or a table of measured points does not
     gain_margin       the factor on L nearest 1 (in log) that makes the loop marginally stable;
                       inf where there is none
     phase_crossover   rad/s, where that happens; None where there is none
     phase_margin_deg  deg in (-180, 180], the smallest in magnitude; inf without a crossover
     crossover         rad/s, where that is; None where |L| never is 1
-    delay_margin      s, the least extra delay over all gain crossovers that makes the loop
-                      marginally stable; inf where there is none, 0 for a continuous loop whose
-                      gain stays above 1 at the highest frequencies; a sampled loop whose gain is
-                      above 1 at Nyquist's bears no whole sample, so dt at most
+    delay_margin      s, the least extra delay tau over all gain crossovers whose exp(-j w tau)
+                      makes the loop marginally stable; inf where there is none. Whole samples
+                      are that exactly. Where |L| is 1 or more at the highest frequencies it is 0
+                      for a continuous loop and at most dt for a sampled one: one extra sample
+                      then ends its stability, whatever the crossovers say
     modulus_margin    min |1 + L|, at ms_frequency rad/s
     mt                max |L/(1 + L)|, at mt_frequency rad/s
     disk_margin       balanced (sigma = 0): min 2 |1 + L|/|1 - L|, at disk_frequency rad/s

@@ -1,4 +1,4 @@
-"""What the rounding of given z-coefficients has already cost.
+"""What the rounding of given coefficients has already cost.
 
 z-coefficients are floats, and at a small dt everything is in their last digits. If each may be
 off by half a unit of its last place, |c| 2^-53, then num(z) may be off by 2^-53 sum |c| and L by
@@ -9,7 +9,7 @@ Source: N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., s
 """
 
 from collections.abc import Iterator
-from math import degrees, hypot, inf
+from math import degrees, hypot, inf, radians, tau
 
 from zoh.analysis.loop import Loop
 from zoh.analysis.results import Margins
@@ -22,19 +22,51 @@ LOST = 0.01  # relative, the same for a gain margin and for Ms
 _HALF_A_UNIT = 2.0**-53
 _SHORT = 2.0**32  # a coefficient of no more bits than that is meant as it stands
 _ANY = 1e4  # beyond it a bound says nothing
+_SLOW = 1e-7  # of Nyquist's frequency: nothing below it is asked for
 _GRID = 60  # points on which stability is asked for
 
-_WAY_OUT = "build the loop from its parameters (zoh.sample, Sampled.from_w) or sample more slowly"
+_FEW_BITS = 4 * _HALF_A_UNIT  # of |L| at an end in s: half a unit of num and of den, and as much
+
+_WAYS_OUT = {
+    "z-coefficients": "build the loop from its parameters (zoh.sample, Sampled.from_w) or sample "
+    "more slowly",
+    "coefficients": "give them so that |L| is 1, or is not, in the digits that you know",
+}
 
 
 def doubts(loop: Loop, m: Margins) -> tuple[str, ...]:
-    """Return what rounding has done to the phase and gain margins, Ms and stability, if too much.
+    """Return what rounding has done to the figures and to stability, if too much.
 
     Only z-coefficients that were given as such are doubted; those that zoh made from a plant
-    stand beside their w-form, which is what is measured.
+    stand beside their w-form, which is what is measured. In s and in z alike a crossing is
+    doubted that the last bits make at an end of the axis, where L is near -1; near 1 it costs
+    nothing, as in 0.1/(z - 0.9).
     """
-    if not loop.rounded or loop.dt is None:
+    found = [
+        f"|L| may pass through 1 beside {loop.frequency(v):.6g} rad/s or not"
+        for v, top, bottom in loop.ends()
+        if top * bottom < 0 and abs(abs(top / bottom) - 1) <= _at_an_end(loop, v)
+    ]
+    found += _of_z(loop, m) if loop.rounded and loop.dt is not None else []
+    if not found:
         return ()
+    kind = "coefficients" if loop.dt is None else "z-coefficients"
+    return (f"by the rounding of the given {kind} alone {', '.join(found)}: {_WAYS_OUT[kind]}",)
+
+
+def _at_an_end(loop: Loop, v: float) -> float:
+    """Return how near to 1 |L| is in doubt at w = 0 or at the highest frequency; below 0: never.
+
+    What is 1 exactly is meant to be in s, where no more is known than the coefficients.
+    """
+    if loop.rounded and loop.dt is not None:
+        part = sum(_parts(loop, v))
+        return part if 0 < part < inf else -1.0
+    return _FEW_BITS if loop.given and not loop.is_one_at(v) else -1.0
+
+
+def _of_z(loop: Loop, m: Margins) -> list[str]:
+    """Return what the rounding of the z-coefficients has done."""
     found = []
     pm = 0.0 if m.crossover is None else _phase_shift(loop, m.crossover)
     if pm > LOST_DEG:
@@ -42,15 +74,78 @@ def doubts(loop: Loop, m: Margins) -> tuple[str, ...]:
     gain = 0.0 if m.phase_crossover is None else _gain_shift(loop, m.phase_crossover)
     if gain > LOST:
         found.append(f"the gain margin may be off by {_shown(100 * gain)} %")
-    if m.modulus_margin and (peak := _of_return(loop, m.ms_frequency)) > LOST:
-        found.append(f"Ms may be off by {_shown(100 * peak)} %")
-    ends = [_at_an_end(loop, *end) for end in loop.ends()]
-    most = max([*ends, *(_of_return(loop, w) for w in _frequencies(loop, m))])
-    if most >= 1:
+    for name, off in _relative(loop, m):
+        if off > LOST:
+            found.append(f"{name} may be off by {_shown(100 * off)} %")
+    ends = (_moved(loop, *end) for end in loop.ends())
+    if max(*(_of_return(loop, w) for w in _frequencies(loop, m)), *ends) >= 1:
         found.append("stability may be lost or won")
-    if not found:
-        return ()
-    return (f"by the rounding of the given z-coefficients alone {', '.join(found)}: {_WAY_OUT}",)
+    return found
+
+
+def _relative(loop: Loop, m: Margins) -> Iterator[tuple[str, float]]:
+    """Yield by which part of themselves rounding moves the other figures that there are."""
+    if m.modulus_margin:
+        yield "Ms", _of_return(loop, m.ms_frequency)
+    if m.mt < inf:
+        yield "Mt", _of_complementary(loop, _place(loop, m.mt_frequency))
+    if m.disk_margin:
+        yield "the disk margin", _of_disk(loop, _place(loop, m.disk_frequency))
+    yield "the delay margin", _delay_shift(loop, m)
+    if m.bandwidth is not None:
+        yield "the bandwidth", _bandwidth_shift(loop, m.bandwidth)
+
+
+def _place(loop: Loop, w: float) -> tuple[float, complex, complex]:
+    """Return (v, num, den) at w in rad/s, both ends included."""
+    for v, top, bottom in loop.ends():
+        if w == loop.frequency(v):
+            return v, top, bottom
+    v = warp(w, loop.dt or 0.0)
+    return v, *loop.point(v)
+
+
+def _of_complementary(loop: Loop, place: tuple[float, complex, complex]) -> float:
+    """Return by which part of itself rounding moves T: dT/T = S dL/L."""
+    v, top, bottom = place
+    if not bottom:  # T is 1 whatever L is
+        return 0.0
+    return sum(_parts(loop, v)) * _over(abs(bottom), abs(bottom + top))
+
+
+def _of_disk(loop: Loop, place: tuple[float, complex, complex]) -> float:
+    """Return by which part of itself rounding moves (1 + L)/(1 - L): 2 L/(1 - L^2) times dL/L."""
+    v, top, bottom = place
+    if not (top and bottom):  # it is 1 or -1
+        return 0.0
+    closed, opposite = abs(bottom + top), abs(bottom - top)
+    return 2 * sum(_parts(loop, v)) * _over(abs(top), closed) * _over(abs(bottom), opposite)
+
+
+def _delay_shift(loop: Loop, m: Margins) -> float:
+    """Return by which part rounding moves the least delay: its phase, and its crossover."""
+    for w, pm_deg in m.gain_crossings:
+        if w < _SLOW * _nyquist(loop):  # a delay of millions of samples is none to rely on
+            continue
+        turn = radians(pm_deg) % tau
+        if w and turn and abs(turn / w - m.delay_margin) <= 1e-9 * m.delay_margin:  # it is this one
+            part, gain_slope, _ = _sensitivity(loop, w)
+            v = warp(w, loop.dt or 0.0)
+            return radians(_phase_shift(loop, w)) / turn + _over(part, abs(gain_slope) * v)
+    return 0.0
+
+
+def _bandwidth_shift(loop: Loop, w: float) -> float:
+    """Return by which part rounding moves where |T| is 3 dB below what it is at w = 0."""
+    v = warp(w, loop.dt or 0.0)
+    top, bottom, dtop, dbottom = loop.slopes(v)
+    slope = (dtop / top - (dtop + dbottom) / (top + bottom)).real
+    off = _of_complementary(loop, (v, top, bottom)) + _of_complementary(loop, loop.ends()[0])
+    return _over(off, abs(slope) * v)
+
+
+def _over(a: float, b: float) -> float:
+    return a / b if b else inf if a else 0.0
 
 
 def _phase_shift(loop: Loop, w: float) -> float:
@@ -80,27 +175,24 @@ def _of_return(loop: Loop, w: float) -> float:
     if w >= _nyquist(loop):
         w = _nyquist(loop) * (1 - 1e-9)
     v = warp(w, loop.dt or 0.0)
-    top, bottom = loop.point(v)
+    return _moved(loop, v, *loop.point(v))
+
+
+def _moved(loop: Loop, v: float, top: complex, bottom: complex) -> float:
+    """Return by which part of itself rounding moves den + num at v, these being den and num."""
     of_top, of_bottom = _parts(loop, v)
     return_difference = abs(bottom + top)
-    moved = abs(top) * of_top + abs(bottom) * of_bottom
-    return moved / return_difference if return_difference else inf if moved else 0.0
-
-
-def _at_an_end(loop: Loop, v: float, top: float, bottom: float) -> float:
-    """Return by which part of itself rounding moves den + num where L is real."""
-    of_top, of_bottom = _parts(loop, v)
-    moved, rest = abs(top) * of_top + abs(bottom) * of_bottom, abs(top + bottom)
-    return moved / rest if rest else inf if moved else 0.0
+    # what is 0 at an end stays small beside the other
+    moved = (abs(top) * of_top if top else 0.0) + (abs(bottom) * of_bottom if bottom else 0.0)
+    return _over(moved, return_difference)
 
 
 def _parts(loop: Loop, v: float) -> tuple[float, float]:
     """Return by which parts of themselves rounding moves num and den at v."""
     of_top = of_bottom = 0.0
     for system in loop.rounded:
-        half = system.dt / 2
-        size = hypot(1.0, v * half)
-        x, y = complex(0.0, v / size if v < inf else 1 / half), 1 / size
+        size = hypot(1.0, v * system.dt / 2)
+        x, y = (complex(0.0, v / size), 1 / size) if v < inf else (2j / system.dt, 0.0)
         of_top += _part(system.num, abs(poly.homogeneous(system.num_w, x, y)))
         of_bottom += _part(system.den, abs(poly.homogeneous(system.den_w, x, y)))
     return of_top, of_bottom
@@ -128,7 +220,7 @@ def _frequencies(loop: Loop, m: Margins) -> Iterator[float]:
     yield from (w for w, _ in (*m.gain_crossings, *m.phase_crossings))
     top = _nyquist(loop)
     for k in range(_GRID):
-        yield top * 10 ** (-7 * k / (_GRID - 1))
+        yield top * _SLOW ** (k / (_GRID - 1))
 
 
 def _nyquist(loop: Loop) -> float:

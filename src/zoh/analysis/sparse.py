@@ -8,6 +8,7 @@ can miss something: whether it has, ``proof`` says.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import ceil, floor, inf, isfinite, sqrt
 
 import numpy as np
@@ -20,6 +21,8 @@ from zoh.lti.whole import Whole
 _BEYOND = 7  # octaves in q that are looked at beyond the first and the last corner
 _PER_OCTAVE = 2
 _NEAR = 1e-7  # relative distance of the two points of a last secant: half a float's digits
+_AGREE = 1e-11  # relative; the loop and its polynomial tell of one root to a float's digits
+_STEPS = 3  # of the secant, each with 7 digits more
 _LAST_STEP = 1e-10  # relative; Newton's next step would be its square, below a float's digits
 _LAST_FLAT_STEP = 1e-6  # the same for a least value, which is flat and needs half the digits
 _CLOSED, _GAIN, _TURN, _DROP = range(3, 7)  # the first three are those of ``lowest``
@@ -37,7 +40,7 @@ class Sparse:
     """
 
     loop: Loop
-    level: float
+    squares: Squares
     unit: float
     polynomials: list[list[float]]
     octaves: Array
@@ -72,7 +75,7 @@ class Sparse:
         rising = values[_GAIN:] > 0
         kinds, places = (rising[:, 1:] != rising[:, :-1]).nonzero()
         return cls(
-            loop=loop, level=s.level, unit=2.0**middle, polynomials=rows, octaves=octaves,
+            loop=loop, squares=s, unit=2.0**middle, polynomials=rows, octaves=octaves,
             values=values, flips=list(zip(kinds.tolist(), places.tolist(), strict=True)),
             ratios=ratios, lowest_at=ratios.argmin(axis=1).tolist(),
         )  # fmt: skip
@@ -84,7 +87,8 @@ class Sparse:
 
     def unities(self) -> list[float]:
         """Return every v seen at which |L| = 1, ascending."""
-        return [_polished(self.loop.excess, v) for v in self._roots(_GAIN)]
+        s = self.squares
+        return [_polished(self.loop.excess, v, s, s.gain) for v in self._roots(_GAIN)]
 
     def turns(self) -> list[float]:
         """Return every v seen at which L is real, ascending."""
@@ -92,7 +96,9 @@ class Sparse:
 
     def drops(self) -> list[float]:
         """Return every v seen at which |T| passes ``level``, ascending."""
-        return [_polished(lambda v: self.loop.above(v, self.level), v) for v in self._roots(_DROP)]
+        s = self.squares
+        above = partial(self.loop.above, level=s.level)
+        return [_polished(above, v, s, s.drop) for v in self._roots(_DROP)]
 
     def lowest(self, below: Below) -> float:
         """Return the v seen at which |D + N|/|below| is least."""
@@ -190,8 +196,22 @@ def _jet(a: Sequence[float], x: float) -> tuple[float, float, float]:
     return value, slope, 2 * half_bend
 
 
-def _polished(f: Callable[[float], float], v: float) -> float:
-    """Return v moved by one secant step onto a root of f, which the loop itself gives."""
+def _polished(f: Callable[[float], float], v: float, squares: Squares, a: Whole) -> float:
+    """Return v moved by one secant step onto a root of f, which the loop itself gives.
+
+    Where the loop and the polynomial it came from do not agree, the one has lost digits, or the
+    other: there |L| is all but flat, or the roots are close; a itself, exact, decides.
+    """
+    moved = _by_secant(f, v)
+    if abs(moved - v) <= _AGREE * v:
+        return moved
+    for _ in range(_STEPS):
+        v = _by_secant(lambda x: squares.over_bottom(a, x), v)
+    return v
+
+
+def _by_secant(f: Callable[[float], float], v: float) -> float:
+    """Return v moved by a secant step onto a root of f, or v where that is far."""
     near = v * (1 + _NEAR)
     here, there = f(v), f(near)
     moved = v - here / (there - here) * (near - v) if there != here else v

@@ -91,8 +91,23 @@ class Squares:
 
     def ratio(self, v: float, which: Below) -> float:
         """Return |D + N| over |D|, |N| or |D - N| at v, of the exact values there."""
-        above, under = (whole.at(a, v * v) for a in (self.closed, self.below(which)))
+        q = _squared(v)
+        above, under = (whole.at_fraction(a, *q) for a in (self.closed, self.below(which)))
         return whole.root_of_ratio(above, under) if under else inf
+
+    def over_bottom(self, a: Whole, v: float) -> float:
+        """Return a/|D|^2 at v, of the exact values there: |L|^2 - 1 where a is ``gain``."""
+        q = _squared(v)
+        under = whole.at_fraction(self.bottom, *q)
+        return whole.at_fraction(a, *q) / under if under else inf
+
+
+def _squared(v: float) -> tuple[int, int]:
+    """Return v^2 as a fraction, of the float where that has all its digits."""
+    if 1e-290 < (q := v * v) < inf:
+        return q.as_integer_ratio()
+    top, bottom = v.as_integer_ratio()
+    return top * top, bottom * bottom
 
 
 def _drop(top: Whole, closed: Whole) -> tuple[Whole, float]:

@@ -73,7 +73,9 @@ def _none_encircled(loop: Loop) -> bool | None:
     """Return whether no zero of 1 + L is on the right; None where one is on the boundary."""
     if loop.dt is None and abs(loop.num[0]) >= abs(loop.den[0]):
         return False  # |L| >= 1 at infinity with dead time: infinitely many poles on the right
-    sizes = [abs(r) for r in (*poly.roots(loop.den), *poly.roots(loop.num)) if r]
+    # the closed loop without the delay: a weak loop around an integrator is as slow as its gain
+    every = (poly.roots(a) for a in (loop.den, loop.num, loop.closed()))
+    sizes = [abs(r) for roots in every for r in roots if r]
     scale = max([*sizes, 1 / loop.dead_time])
     low = min([*sizes, 1 / loop.dead_time, *_slow_crossover(loop)]) * 1e-3
     even = np.geomspace(low, scale * 1e3, 300 + 20 * int(log10(scale / low)))

@@ -19,7 +19,7 @@ from zoh.analysis.responses import noise_gains
 from zoh.analysis.results import Choice, Gains, Margins, StepInfo
 from zoh.analysis.stability import closed_loop_stable
 from zoh.analysis.step import closed_loop_step
-from zoh.errors import NotMet, SpecError, warn
+from zoh.errors import NotMet, SpecError, warn_of_accuracy
 from zoh.lti.forms import forms, sentences
 from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.systems import Plant, Sampled
@@ -117,11 +117,12 @@ class Measured:
         m = self.margins
         gains = ", ".join(f"{k} = {number(v)}" for k, v in self.gains.items())
         controller = fraction(self.controller.num, self.controller.den, "z")
+        verdict = {True: "stable", False: "UNSTABLE", None: "NOT PROVED to be stable"}[m.stable]
         lines = [
             f"{self.name}: {self.law}" + (f" with {gains}" if gains else ""),
             *(f"  {sentence}" for sentence in sentences(self.gains)),
             f"  D(z) = {controller}, dt = {self.dt:g} s",
-            f"  closed loop {'stable' if m.stable else 'UNSTABLE'}",
+            f"  closed loop {verdict}",
             f"  phase margin {m.phase_margin_deg:.6g} deg at {_or_none(m.crossover)} rad/s,"
             f" gain margin {m.gain_margin_db:.4g} dB at {_or_none(m.phase_crossover)} rad/s",
             f"  delay margin {m.delay_margin:.4g} s, Ms {m.ms:.4g}, Mt {m.mt:.4g},"
@@ -195,8 +196,7 @@ def measure(
     called = labels(law, gains, name)
     sampled = sample(plant, controller.dt, compute_delay)
     margins = measure_loop(Loop.of(controller, sampled))
-    for sentence in margins.warnings:
-        warn(sentence)
+    warn_of_accuracy(margins.warnings)
     step, noise_gain = None, None
     if margins.stable:
         step = closed_loop_step(plant, controller, compute_delay=compute_delay, reference=reference)

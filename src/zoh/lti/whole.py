@@ -77,7 +77,15 @@ def at(a: Whole, x: float) -> int:
     >>> at((4, 1), 0.25), at((0, 1), 0.25)  # 2 and 1, times 4
     (8, 4)
     """
-    top, bottom = x.as_integer_ratio()
+    return at_fraction(a, *x.as_integer_ratio())
+
+
+def at_fraction(a: Whole, top: int, bottom: int) -> int:
+    """Return a(top/bottom) times bottom to the power of the degree.
+
+    >>> at_fraction((4, 1), 1, 4)
+    8
+    """
     value, unit = a[0], 1
     for c in a[1:]:
         unit *= bottom
