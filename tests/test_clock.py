@@ -140,3 +140,14 @@ def test_a_crossover_must_be_given_and_a_table_has_its_clock():
     table = zoh.FrequencyResponse.from_complex(w=[1.0, 2.0, 3.0], gain=[1, 0.5, 0.3])
     with pytest.raises(zoh.SpecError, match=r"plant must be a zoh\.Plant"):
         zoh.sample_times(table, "p", {"wc": 1.5})
+
+
+def test_both_roads_to_a_verdict_agree():
+    # a bound on the step that is always met makes every dt a full design; without it the margins do
+    dts = [0.05, 0.2, 0.4, 0.7]
+    bare = zoh.Requirements(ms=1.7)
+    full = zoh.Requirements(ms=1.7, peak_effort=1e9)
+    short, long = (zoh.sample_times(ARM, "pid", PID, dts=dts, requirements=r) for r in (bare, full))
+    assert [r.failure for r in short.rows] == [r.failure for r in long.rows]
+    assert [r.bits for r in short.rows] == [r.bits for r in long.rows]
+    assert short.largest == long.largest
