@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     )
     from zoh.analysis.verify import Measured, Verified, measure, verify
     from zoh.certificate import LAWS, OPTIONS
+    from zoh.choice.map import Map, law_map
     from zoh.clock import SampleTime, SampleTimes, sample_times
     from zoh.design.sections import SecondOrder, notch
     from zoh.emulation import Emulated, emulate
@@ -55,6 +56,7 @@ __all__ = [
     "Emulated",
     "FrequencyResponse",
     "Infeasible",
+    "Map",
     "Margins",
     "Measured",
     "NotMet",
@@ -80,6 +82,7 @@ __all__ = [
     "discretise",
     "emulate",
     "lag",
+    "law_map",
     "lead",
     "leadlag",
     "margins",
@@ -124,6 +127,7 @@ _HOMES = {
     "zoh.analysis.verify": ("Measured", "Verified", "measure", "verify"),
     "zoh.certificate": ("LAWS", "OPTIONS"),
     "zoh.design.sections": ("SecondOrder", "notch"),
+    "zoh.choice.map": ("Map", "law_map"),
     "zoh.clock": ("SampleTime", "SampleTimes", "sample_times"),
     "zoh.emulation": ("Emulated", "emulate"),
     "zoh.errors": ("Infeasible", "NotMet", "AccuracyWarning", "SpecError", "ZohError"),

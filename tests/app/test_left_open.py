@@ -68,3 +68,15 @@ def test_auto_in_a_file(tmp_path, capsys):
     code, err = designed(tmp_path, capsys, law="auto", more="ki = 1")
     assert code == 2
     assert "ki" in err
+
+
+def test_explain_writes_the_maps(tmp_path, capsys):
+    file, out = tmp_path / "loop.toml", tmp_path / "out"
+    file.write_text(FILE.format(gain=0.05, law="pd", more="wc = 3.0\npm_deg = 60"))
+    assert main(["explain", str(file), "--out", str(out)]) == 0
+    capsys.readouterr()
+    names = ["explain.json", "map-pd.json", "map-pd.png", "map-pd.svg"]
+    assert sorted(p.name for p in out.iterdir()) == names
+    assert json.loads((out / "map-pd.json").read_text())["law"] == "pd"
+    assert json.loads((out / "explain.json").read_text())["designs"][0]["law"] == "pd"
+    assert main(["explain", str(file), "--out", str(out)]) == 2  # nothing is replaced unasked

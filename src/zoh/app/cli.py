@@ -8,7 +8,7 @@ import json
 import os
 import sys
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NoReturn
 from warnings import catch_warnings, simplefilter
 
@@ -18,6 +18,7 @@ import zoh
 from zoh.app import files
 from zoh.app.commands import Entry, check_all, design_all, hidden_instability, to_dict, warnings
 from zoh.app.project import Project, read
+from zoh.choice.map import Map
 from zoh.errors import AccuracyWarning, Infeasible, NotMet, SpecError, ZohError
 
 MET, NOT_MET, BAD_INPUT = 0, 1, 2
@@ -101,7 +102,7 @@ def _parser() -> ArgumentParser:
     explain.set_defaults(run=_explain)
     for command in (design, check, explain):
         command.add_argument("file", metavar="FILE", help="a project file (TOML)")
-    for command in (paper, design):
+    for command in (paper, design, explain):
         command.add_argument("--out", metavar="DIR", help="write a report with figures there")
         command.add_argument("--force", action="store_true", help="let --out replace files")
     for command in (paper, design, check, explain):
@@ -132,12 +133,35 @@ def _explain(arguments: Namespace) -> int:
     from zoh.app import explain
 
     project = read(files.read_text(arguments.file), files.beside(arguments.file))
+    _refuse_early(arguments, "explain.json")
     explained = explain.explain_all(project)
+    if arguments.out is not None:
+        drawn = _with_matplotlib(lambda: _maps(explain.maps(project, explained)))
+        _write(arguments, {"explain.json": _json(explain.to_dict(project, explained)), **drawn})
     if arguments.json:
         print(_json(explain.to_dict(project, explained)), end="")
     else:
         _console().out(explain.as_text(project, explained))
     return _verdict(project, [e.entry for e in explained])
+
+
+def _maps(found: Iterable[tuple[Entry, Map]]) -> dict[str, str | bytes]:
+    """Return each map as a figure and as data, the design marked on it."""
+    from zoh.report.document import drawn
+    from zoh.report.figures import render
+    from zoh.report.map import law_figure
+    from zoh.report.text import slug
+
+    out: dict[str, str | bytes] = {}
+    for entry, its_map in found:
+        name = slug(f"map {entry.name}", [taken.rpartition(".")[0] for taken in out])
+        margins = None if entry.measured is None else entry.measured.margins
+        at = None
+        if margins is not None and margins.crossover is not None:
+            at = margins.crossover, margins.phase_margin_deg
+        figure = law_figure(its_map, chosen=at, title=f"{entry.name}: what a {its_map.law} can do")
+        out |= {**drawn(name, render(figure)), f"{name}.json": _json(its_map.to_dict())}
+    return out
 
 
 def _paper(arguments: Namespace) -> int:

@@ -1,6 +1,6 @@
 """``zoh explain`` without its terminal: where each margin comes from, what it costs otherwise."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import pi
 from textwrap import fill
@@ -11,6 +11,7 @@ from zoh.analysis.budget import Budget, budget
 from zoh.app.commands import Entry, design_all, warnings
 from zoh.app.project import Given, Project, Request
 from zoh.certificate import LAWS
+from zoh.choice.map import MAPPED, Map, law_map
 from zoh.clock import SampleTimes, sample_times
 from zoh.emulation import Emulated, emulate
 from zoh.lti.systems import Plant
@@ -115,6 +116,19 @@ def _reasons(project: Project, entry: Entry, found: Budget | None) -> list[str]:
     share = number(late / project.dt)
     said.append(f"the loop bears {number(late)} s more delay, {share} samples")
     return said
+
+
+def maps(project: Project, explained: Sequence[Explained]) -> Iterator[tuple[Entry, Map]]:
+    """Yield the map of every controller whose law has one, with what is known of the controller."""
+    for asked, e in zip(project.controllers, explained, strict=True):
+        law = e.entry.law if e.entry.measured is None else e.entry.measured.law
+        if isinstance(project.plant, Plant) and isinstance(asked, Request) and law in MAPPED:
+            known = (*LAWS[law][2:], "filter_pole", "ti_td")
+            yield e.entry, law_map(
+                project.plant, law, dt=project.dt, compute_delay=project.compute_delay,
+                requirements=project.requirements, reference=project.reference,
+                given={k: v for k, v in asked.parameters.items() if k in known},
+            )  # fmt: skip
 
 
 def to_dict(project: Project, explained: Sequence[Explained]) -> Mapping[str, Any]:

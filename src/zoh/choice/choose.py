@@ -36,8 +36,8 @@ class Chosen:
 
 def choose(judge: Judge, law: str, given: Mapping[str, float]) -> Chosen:
     """Return the law, all its parameters set; raise Infeasible where nothing meets everything."""
-    nothing_asked = all(getattr(judge.requirements, f.name) is None for f in fields(Requirements))
-    assumed = _assumed(law, given) if nothing_asked else judge.requirements
+    nothing = nothing_asked(judge.requirements)
+    assumed = _assumed(law, given) if nothing else judge.requirements
     judge = replace(judge, requirements=assumed)
     tried: list[tuple[str, Trial]] = []
     for name in FROM_THE_SIMPLEST if law == AUTO else (law,):
@@ -45,7 +45,7 @@ def choose(judge: Judge, law: str, given: Mapping[str, float]) -> Chosen:
         if edge.best.met and edge.best.parameters is not None:
             choice = Choice(
                 open=_open(law, given, edge.best.parameters),
-                assumed=_said(assumed) if nothing_asked else (),
+                assumed=_said(assumed) if nothing else (),
                 limits=_limits(edge),
                 tried=tuple((simpler, _nearest(best)) for simpler, best in tried),
             )
@@ -53,7 +53,12 @@ def choose(judge: Judge, law: str, given: Mapping[str, float]) -> Chosen:
                 law=name, parameters=edge.best.parameters, requirements=assumed, choice=choice
             )
         tried.append((name, edge.best))
-    raise _refusal(judge, law, given, tried, _said(assumed) if nothing_asked else ())
+    raise _refusal(judge, law, given, tried, _said(assumed) if nothing else ())
+
+
+def nothing_asked(asked: Requirements) -> bool:
+    """Return whether no requirement is given."""
+    return all(getattr(asked, f.name) is None for f in fields(Requirements))
 
 
 def _edge(judge: Judge, law: str, given: Mapping[str, float]) -> Edge:
