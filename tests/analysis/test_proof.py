@@ -261,3 +261,20 @@ def test_a_hand_worked_peak():
     assert found.ms_frequency == pi
     assert found.mt == pytest.approx(1.0, rel=1e-15)
     assert found.mt_frequency == 0.0
+
+
+def test_what_each_proof_says():
+    assert counted((1, -1, -2), 1).detail == "1 sign changes, 1 found"
+    assert counted((1, -3, 2), 1).detail == "2 sign changes on the axis, 1 found"
+    everywhere = margins(Sampled(num=[1.0], den=[1.0], dt=1.0))  # L = 1: |D - N| is 0
+    assert everywhere.disk_margin == inf
+    assert everywhere.certificate.disk_margin == Proof(
+        holds=True, method="bound", detail="measured against 0 everywhere"
+    )
+    through = margins(Plant(num=[6], den=[1, 3, 2, 0]))  # through -1 at sqrt(2)
+    assert through.certificate.modulus_margin == Proof(
+        holds=True, method="bound", detail="0 but for rounding, the least there is"
+    )
+    first = margins(Plant(num=[1], den=[1, 1])).certificate.mt
+    assert (first.holds, first.method) == (True, "Descartes")
+    assert first.detail == "nowhere below 2 by more than 1e-09 of it"  # |1 + 1/L| at w = 0
