@@ -161,7 +161,22 @@ def certified(
         found = glance(loop)
         return not off_target(found, at) and found.ms <= most
 
-    return advised(refused, law, sampled, spec, parameters, holds)
+    told = advised(refused, law, sampled, spec, parameters, holds)
+    return told if told.nearest_wc is not None else told.because(backwards(sampled))
+
+
+def backwards(sampled: Sampled) -> str:
+    """Return a hint where the plant answers backwards at rest, nothing where it does not.
+
+    >>> backwards(Sampled(num=[-1.0], den=[1.0, -0.5], dt=0.1))
+    'the plant answers backwards at low frequencies: a negative sensor gain turns it round'
+    >>> backwards(Sampled(num=[1.0], den=[1.0, -0.5], dt=0.1))
+    ''
+    """
+    top, bottom = (next(c for c in reversed(a) if c) for a in (sampled.num_w, sampled.den_w))
+    if top * bottom > 0:
+        return ""
+    return "the plant answers backwards at low frequencies: a negative sensor gain turns it round"
 
 
 def advised(

@@ -70,6 +70,13 @@ class Infeasible(ZohError):
         self.laws_that_can = laws_that_can
         super().__init__("; ".join([reason, *self._advice()]))
 
+    def because(self, more: str) -> "Infeasible":
+        """Return the same refusal with one more reason, itself where that is empty."""
+        if not more:
+            return self
+        fields = {name: value for name, value in vars(self).items() if name != "reason"}
+        return _infeasible(f"{self.reason}; {more}", fields)
+
     def __reduce__(self) -> tuple[Any, ...]:
         fields = {name: value for name, value in vars(self).items() if name != "reason"}
         return _infeasible, (self.reason, fields)

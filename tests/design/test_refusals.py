@@ -9,6 +9,7 @@ from math import cos, pi, radians, sqrt
 
 import pytest
 
+import zoh
 from zoh.design import first_order, p, pid
 from zoh.design import pi as pi_law
 from zoh.design.target import Target, nearest
@@ -266,3 +267,15 @@ def test_the_nearest_is_looked_for_below_nyquist_alone():
     # outwards from wc, a step down before a step up, 3 % at a time
     assert asked[:4] == pytest.approx([1 / 1.03, 1.03, 1.03**-2, 1.03**2], rel=1e-14)
     assert min(asked) == pytest.approx(1e-3, rel=0.2)  # "down to wc/1000": where steps end
+
+
+def test_a_plant_that_answers_backwards_is_named():
+    backwards = zoh.Plant(num=[-1], den=[1, 1])
+    for asked in ({"wc": 0.8, "pm_deg": 60}, {}):
+        with pytest.raises(zoh.Infeasible, match="a negative sensor gain turns it round"):
+            zoh.pi(backwards, dt=0.1, **asked)
+    turned = zoh.Plant(num=[-1], den=[1, 1], sensor=-1)
+    assert zoh.pi(turned, dt=0.1, wc=0.8, pm_deg=60).met
+    with pytest.raises(zoh.Infeasible) as plain:
+        zoh.pi(turned, dt=0.1, wc=0.8, pm_deg=175)
+    assert "sensor" not in str(plain.value)

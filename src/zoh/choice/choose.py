@@ -11,6 +11,7 @@ from dataclasses import dataclass, fields, replace
 from math import degrees, inf, radians, remainder, sin, tau
 
 from zoh.analysis.results import Choice
+from zoh.certificate import backwards
 from zoh.choice.fastest import Edge, Search, Trial
 from zoh.choice.judge import Judge
 from zoh.errors import Infeasible
@@ -21,7 +22,6 @@ OF_AUTO = ("wc", "pm_deg")  # the parameters that every law understands
 FROM_THE_SIMPLEST = ("p", "pi", "pd", "lead", "lag", "pid")
 ASSUMED = Requirements(pm_deg=45.0, ms=1.7)
 _LEAST_PEAK = 1.25  # times the least Ms that a margin allows: what is assumed where that is more
-_ACTIVE = 1e-3  # of slack: a requirement this near to its bound is one that limits
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -117,4 +117,5 @@ def _refusal(
     reason = f"{what} meets everything asked{where}{told}; of a {name}, {_nearest(best)}"
     pm_deg = (best.parameters or given).get("pm_deg", judge.requirements.pm_deg or 45.0)
     turn = radians(pm_deg - 180) - phase(judge.sampled.at(best.wc))
-    return Infeasible(reason, needed_deg=degrees(remainder(turn, tau)))
+    refusal = Infeasible(reason, needed_deg=degrees(remainder(turn, tau)))
+    return refusal.because(backwards(judge.sampled))
