@@ -59,7 +59,7 @@ def closed_loop_step(
     largest |u|.
     """
     motion = closed_loop(plant, controller, compute_delay)
-    final, at_rest = _gains_at_rest(plant, controller)
+    final, at_rest = gains_at_rest(plant, controller)
     track = queue.track(motion, (final, at_rest)) if motion.wait else motion.track(final)
     seen = _Seen.of(motion, track, final, reference)
     wave = seen.wave
@@ -77,7 +77,7 @@ def closed_loop_step(
     )
 
 
-def _gains_at_rest(plant: Plant, controller: Sampled) -> tuple[float, float]:
+def gains_at_rest(plant: Plant, controller: Sampled) -> tuple[float, float]:
     """Return what y and u settle to: C P/(1 + C P) and C/(1 + C P) at w = 0.
 
     At rest a held plant has the plant's own gain.
@@ -158,4 +158,4 @@ class _Seen:
         )
 
 
-__all__ = ["closed_loop_step", "step_info"]
+__all__ = ["closed_loop_step", "gains_at_rest", "step_info"]

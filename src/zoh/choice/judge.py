@@ -2,22 +2,30 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import inf
+
+import numpy as np
 
 from zoh.analysis.asked import Compared, of_margins, of_time
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import glance
 from zoh.analysis.responses import noise_gains
+from zoh.analysis.results import StepInfo
 from zoh.analysis.stability import closed_loop_stable
-from zoh.analysis.step import closed_loop_step
+from zoh.analysis.step import closed_loop_step, gains_at_rest
 from zoh.certificate import off_target, solved
+from zoh.choice.freedom import SLOWEST
 from zoh.errors import Infeasible, SpecError
+from zoh.lti import poly
 from zoh.lti.systems import Plant, Sampled
+from zoh.lti.wplane import warp
 from zoh.spec import Crossover, Requirements
 
 _TIME = (
     "overshoot_pct", "rise_time", "settling_time", "steady_state_error", "peak_effort",
     "effort_min", "effort_max", "noise_gain",
 )  # fmt: skip
+_AT_REST = "steady_state_error"  # which needs no response: the gains at w = 0 have it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,6 +60,8 @@ class Judge:
             loop = Loop.of(controller, self.sampled)
         except (Infeasible, SpecError) as refused:
             return Judgement(slack=-4.0, failed=str(refused))
+        if "ti_td" in parameters and _slow(controller, spec.wc):
+            return Judgement(slack=-2.0, failed="a zero of the controller is a decade below wc")
         if not closed_loop_stable(loop):
             return Judgement(slack=-3.0, failed="the closed loop is unstable")
         margins = glance(loop)
@@ -63,13 +73,23 @@ class Judge:
         return judged(rows)
 
     def _in_time(self, controller: Sampled) -> list[Compared]:
-        step = closed_loop_step(
-            self.plant, controller, compute_delay=self.compute_delay, reference=self.reference
-        )
+        if all(getattr(self.requirements, name) is None for name in _TIME if name != _AT_REST):
+            final, _ = gains_at_rest(self.plant, controller)
+            step = StepInfo(steady_state_error=self.reference * (1 - final))
+        else:
+            step = closed_loop_step(
+                self.plant, controller, compute_delay=self.compute_delay, reference=self.reference
+            )
         noise = None
         if self.requirements.noise_gain is not None:
             noise = noise_gains(self.plant, controller, compute_delay=self.compute_delay)[1]
         return of_time(self.requirements, step, noise)
+
+
+def _slow(controller: Sampled, wc: float) -> bool:
+    """Return whether a zero is slower than a choice may have: Ti/Td alone does not say."""
+    slowest = float(np.abs(poly.roots(controller.num_w)).min(initial=inf))
+    return slowest < SLOWEST * warp(wc, controller.dt)
 
 
 def judged(rows: list[Compared]) -> Judgement:
