@@ -132,3 +132,8 @@ def test_a_project_file_has_sections_and_every_option():
 def test_a_malformed_section_of_a_file_has_the_name_of_its_key(sections, words):
     with pytest.raises(zoh.SpecError, match=words):
         read(FILE + f"sections = {sections}")
+
+
+def test_one_section_without_brackets_is_named():
+    with pytest.raises(zoh.SpecError, match="sections must be a list of sections"):
+        zoh.pi(zoh.Plant(num=[1], den=[1, 1]), dt=0.1, wc=1, pm_deg=60, sections=zoh.notch(w0=9))

@@ -111,7 +111,7 @@ def beaten(
         if best is not None and margins.crossover < best.margins.crossover:
             continue
         v = 2 / task.dt * np.tan(margins.crossover * task.dt / 2)
-        zeros = np.abs(np.roots(num)) if len(num) > 1 else np.array([np.inf])
+        zeros = -np.roots(num).real if len(num) > 1 else np.array([np.inf])
         if zeros.min(initial=np.inf) < SLOWEST * v:
             continue
         if asked.ms is not None and margins.ms > asked.ms:

@@ -26,7 +26,7 @@ def warped(wc):
 
 
 def slowest_zero(controller):
-    return min(abs(np.roots(controller.num_w)), default=np.inf)
+    return min(-np.roots(controller.num_w).real, default=np.inf)
 
 
 @pytest.mark.parametrize("name", PLANTS)

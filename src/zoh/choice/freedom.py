@@ -3,9 +3,9 @@
 The first one is the margin, from the least allowed to the most that the law can give there; a
 second one is a PID's ki, or the gain at w = 0 of a lag or lead, where it was not given. Every
 point is a controller with positive gains that crosses over at wc, and every such controller is
-one, but for those with a zero more than a decade below wc. A slow zero lets the loop creep for
-ever behind a crossover that is fast in name alone: an integral that does next to nothing, a
-derivative with next to no gain below it.
+one, but for those with a zero whose real part is more than a decade below wc. A slow zero lets
+the loop creep, or ring, for ever behind a crossover that is fast in name alone: an integral that
+does next to nothing, a derivative with next to no gain below it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,7 +18,7 @@ from zoh.design.target import Response, Target
 from zoh.errors import SpecError
 from zoh.spec import Crossover
 
-SLOWEST = 0.1  # of wc, both in the w-plane: the slowest zero of a controller
+SLOWEST = 0.1  # of wc, in the w-plane: how slowly a controller's zeros may decay
 _INSET = 1e-6  # of an open interval is left out at its ends
 _WIDE = 9.0  # a second coordinate reaches to exp(-9) of its range
 _LEAST_DEG = 1.0  # a margin that nobody would ask for less of
@@ -97,13 +97,14 @@ def _integrals(target: Target, theta: float, tau: float) -> tuple[float, float]:
 
     With k = ki |G|/v, x = v tau and c = cos(theta) - x sin(theta) the numerator of
     kp + ki/w + kd w/(1 + w tau), in units of w/v, is ((x cos(theta) + sin(theta) + k), c, k). A
-    zero at -q or a pair of size q bounds k from below, as kd > 0 does; kp > 0 does from above.
+    zero at -q or a pair of size q bounds k from below, as kd > 0 does; a pair with real part -q
+    does from above, as kp > 0 does.
     """
     x, q = target.v * tau, SLOWEST
     c, lead = cos(theta) - x * sin(theta), x * cos(theta) + sin(theta)
     real, pair = (q * c - q * q * lead) / (1 + q * q), q * q * lead / (1 - q * q)
     low = max(-sin(theta), real, pair) * (1 + _INSET)
-    return low, max(c / x * (1 - _INSET), low)
+    return low, max(min(c / x, c / (2 * q) - lead) * (1 - _INSET), low)
 
 
 SECOND = {"pid": "ki", "lag": "dc_gain", "lead": "dc_gain"}
@@ -126,7 +127,9 @@ def _turns(law: str, target: Target, fixed: Mapping[str, float]) -> tuple[float,
     if law == "pid":
         if "ki" in fixed:
             return pid_law.phases(target, fixed["ki"], tau)
-        return -pi / 2, atan((1 - q * q) / x - q * q * x)
+        k = 2 * q / (1 - q * q)  # where ``_integrals`` leaves room, bound by bound
+        room = ((1 - q * q) / x - q * q * x, (1 - k * x) / (x + k), (1 - 2 * q * x) / x)
+        return -pi / 2, atan(min(room))
     given = fixed.get("dc_gain")
     if law == "lag":
         return (-pi / 2, 0.0) if given is None else first_order.lag_phases(target, given)

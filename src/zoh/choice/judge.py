@@ -4,8 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf
 
-import numpy as np
-
 from zoh.analysis.asked import Compared, of_margins, of_time
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import glance
@@ -88,7 +86,7 @@ class Judge:
 
 def _slow(controller: Sampled, wc: float) -> bool:
     """Return whether a zero is slower than a choice may have: Ti/Td alone does not say."""
-    slowest = float(np.abs(poly.roots(controller.num_w)).min(initial=inf))
+    slowest = float((-poly.roots(controller.num_w).real).min(initial=inf))
     return slowest < SLOWEST * warp(wc, controller.dt)
 
 

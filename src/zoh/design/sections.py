@@ -70,6 +70,9 @@ def notch(*, w0: float, depth: float = 0.1, width: float = 1.0) -> SecondOrder:
 def in_series(sections: Sequence[SecondOrder], dt: float) -> Sampled | None:
     """Return the sections' product, None where there is none; SpecError for what is no section."""
     product: Sampled | None = None
+    if not isinstance(sections, list | tuple):
+        way_out = "put it in brackets: [zoh.notch(w0=...)]"
+        raise SpecError("sections", "must be a list of sections", sections, way_out)
     for i, section in enumerate(sections):
         if not isinstance(section, SecondOrder):
             way_out = "zoh.notch(w0=...) or zoh.SecondOrder(...)"
