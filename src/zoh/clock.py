@@ -32,7 +32,10 @@ Seen = tuple[Sampled, Sampled, Margins]  # plant, controller, and what their loo
 Try = Callable[[float], tuple[Seen | None, str | None]]  # a dt: what came of it, why not
 
 TOLERANCE_DEG = 0.1  # by how much rounding the coefficients may move the phase margin
-_OF_THE_STEP = ("overshoot_pct", "rise_time", "settling_time", "steady_state_error", "peak_effort")
+_OF_THE_STEP = (
+    "overshoot_pct", "rise_time", "settling_time", "steady_state_error", "peak_effort",
+    "effort_min", "effort_max", "noise_gain",
+)  # fmt: skip
 _LONGEST, _SHORTEST = 0.99, 1e-3  # of pi/wc, where the crossover is at Nyquist's frequency
 _POINTS = 31  # ten for a factor of 10
 _HALVINGS = 30  # of the interval around the edge: 1e-9 of the distance between two points

@@ -84,7 +84,7 @@ def emulate(
         raise SpecError("plant", "must be a zoh.Plant", plant, "a table has no form in s")
     if law not in LAWS:
         raise SpecError("law", f"must be one of {', '.join(LAWS)}", law, "choose one of these")
-    missing = [name for name in LAWS[law] if name not in parameters]
+    missing = [n for n in dict.fromkeys((*LAWS[law], "pm_deg")) if n not in parameters]
     if missing:
         raise SpecError(missing[0], f"must be given to emulate {law}", None, ", ".join(LAWS[law]))
     dt = sample_time(dt)

@@ -156,3 +156,12 @@ def test_random_controllers_do_not_beat_a_choice(seed):
     with suppress(zoh.Infeasible):
         found = zoh.design(task.plant, task.law, {}, dt=task.dt, requirements=task.asked)
         assert beaten(task, found, found.requirements, Random(seed), 120) is None
+
+
+def test_a_p_with_its_margin_given_is_tried_first():
+    d = zoh.design(ARM, "auto", {"pm_deg": 60.0}, dt=0.1, requirements=zoh.Requirements(ms=2))
+    plain = zoh.p(ARM, dt=0.1, pm_deg=60)
+    assert (d.law, d.choice.tried) == ("p", ())
+    assert d.margins.crossover == pytest.approx(plain.margins.crossover, rel=1e-9)
+    with pytest.raises(zoh.Infeasible, match="ms must be at most"):  # 1.46 or more
+        zoh.design(ARM, "auto", {"pm_deg": 40.0}, dt=0.1, requirements=zoh.Requirements(ms=1.4))

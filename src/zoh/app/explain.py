@@ -8,6 +8,7 @@ from typing import Any
 
 import zoh
 from zoh.analysis.budget import Budget, budget
+from zoh.analysis.verify import Measured
 from zoh.app.commands import Entry, design_all, warnings
 from zoh.app.project import Given, Project, Request
 from zoh.certificate import LAWS
@@ -111,6 +112,8 @@ def _reasons(project: Project, entry: Entry, found: Budget | None) -> list[str]:
     if found is None:
         return [*said, "the gain of the loop is never 1: there is no phase margin to account for"]
     lost = sorted(found.items, key=lambda item: item.deg)[:2]
+    if isinstance(entry.measured, Measured) and entry.measured.choice is not None:
+        said += entry.measured.choice.sentences
     said.append("most is taken by " + " and ".join(f"{i.name} ({i.deg:+.4g} deg)" for i in lost))
     late = entry.measured.margins.delay_margin
     share = number(late / project.dt)
@@ -124,9 +127,11 @@ def maps(project: Project, explained: Sequence[Explained]) -> Iterator[tuple[Ent
         law = e.entry.law if e.entry.measured is None else e.entry.measured.law
         if isinstance(project.plant, Plant) and isinstance(asked, Request) and law in MAPPED:
             known = (*LAWS[law][2:], "filter_pole", "ti_td")
+            shown = e.entry.measured if isinstance(e.entry.measured, Measured) else None
             yield e.entry, law_map(
                 project.plant, law, dt=project.dt, compute_delay=project.compute_delay,
-                requirements=project.requirements, reference=project.reference,
+                requirements=project.requirements if shown is None else shown.requirements,
+                reference=project.reference,
                 given={k: v for k, v in asked.parameters.items() if k in known},
             )  # fmt: skip
 

@@ -14,6 +14,7 @@ from zoh.analysis.results import Choice
 from zoh.certificate import backwards
 from zoh.choice.fastest import Edge, Search, Trial
 from zoh.choice.judge import Judge
+from zoh.design.p import crossovers
 from zoh.errors import Infeasible
 from zoh.spec import Requirements
 
@@ -63,9 +64,19 @@ def nothing_asked(asked: Requirements) -> bool:
 
 def _edge(judge: Judge, law: str, given: Mapping[str, float]) -> Edge:
     search = Search(judge, law, given)
+    if law == "p" and "pm_deg" in given and "wc" not in given:
+        return _where_the_plant_has(search, given["pm_deg"])
     if "wc" not in given:
         return search.fastest()
     return Edge(best=search.at(given["wc"], enough=inf), above=None)
+
+
+def _where_the_plant_has(search: Search, pm_deg: float) -> Edge:
+    """Return the fastest P with a margin that is given: the plant has it at a few crossovers."""
+    found = [search.at(wc) for wc in crossovers(search.judge.sampled, pm_deg)]
+    met = next((trial for trial in found if trial.met), None)
+    nearest = max(found, key=lambda trial: trial.judgement.slack, default=None)
+    return Edge(best=met or nearest or search.fastest().best, above=None)
 
 
 def _assumed(law: str, given: Mapping[str, float]) -> Requirements:

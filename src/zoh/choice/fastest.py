@@ -33,7 +33,9 @@ _NEAR = (0.02, 0.1, 0.004)  # the simplex's sizes where a point near the highest
 _PUSHES = (0.01, 0.002, 0.0005)  # of wc, by which a crossover found is tried to be passed
 _BELOW = 100.0  # times below the plant's slowest corner nothing new happens
 _NYQUIST = 0.999  # of pi/dt is the fastest that is tried
-_NOWHERE = Judgement(slack=-5.0, failed="the law cannot give the margin asked")
+_NOWHERE = Judgement(
+    slack=-5.0, failed="the law cannot give the margin asked with no zero slower than wc/10"
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

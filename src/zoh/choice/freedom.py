@@ -21,6 +21,7 @@ from zoh.spec import Crossover
 SLOWEST = 0.1  # of wc, in the w-plane: how slowly a controller's zeros may decay
 _INSET = 1e-6  # of an open interval is left out at its ends
 _WIDE = 9.0  # a second coordinate reaches to exp(-9) of its range
+_SAME_DEG = 1e-9  # two roads to one angle
 _LEAST_DEG = 1.0  # a margin that nobody would ask for less of
 
 
@@ -161,6 +162,8 @@ def _of_plant(
 ) -> tuple[float, float] | None:
     """Return the plant's own margin, where it is allowed."""
     pm_deg = turn_deg % 360.0
-    if "pm_deg" in fixed or not max(least_pm, _LEAST_DEG) <= pm_deg < 180.0:
+    if abs(fixed.get("pm_deg", pm_deg) - pm_deg) > _SAME_DEG:
+        return None
+    if not max(least_pm, _LEAST_DEG) <= pm_deg < 180.0:
         return None
     return pm_deg, pm_deg
