@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from zoh import checks
-from zoh.analysis.asked import missed
+from zoh.analysis.asked import OF_TIME, missed
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import measure_loop
 from zoh.analysis.results import Margins, jsonable
@@ -32,10 +32,6 @@ Seen = tuple[Sampled, Sampled, Margins]  # plant, controller, and what their loo
 Try = Callable[[float], tuple[Seen | None, str | None]]  # a dt: what came of it, why not
 
 TOLERANCE_DEG = 0.1  # by how much rounding the coefficients may move the phase margin
-_OF_THE_STEP = (
-    "overshoot_pct", "rise_time", "settling_time", "steady_state_error", "peak_effort",
-    "effort_min", "effort_max", "noise_gain",
-)  # fmt: skip
 _LONGEST, _SHORTEST = 0.99, 1e-3  # of pi/wc, where the crossover is at Nyquist's frequency
 _POINTS = 31  # ten for a factor of 10
 _HALVINGS = 30  # of the interval around the edge: 1e-9 of the distance between two points
@@ -168,9 +164,9 @@ def _tried(
     """Return what was measured, where there is a controller, and why it does not do."""
     if not given["wc"] * dt < pi:
         return None, "wc is not below the Nyquist frequency pi/dt"
-    whole = all(given.get(name) is not None for name in LAWS.get(law, ("law",)))
+    whole = all(given.get(name) is not None for name in (*LAWS.get(law, ("law",)), "pm_deg"))
     try:
-        if whole and all(getattr(requirements, name) is None for name in _OF_THE_STEP):
+        if whole and all(getattr(requirements, name) is None for name in OF_TIME):
             return _by_margins(sample(plant, dt, delay), law, given, requirements)
         d = design(plant, law, given, dt=dt, compute_delay=delay, requirements=requirements)
     except NotMet as short:

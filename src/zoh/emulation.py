@@ -82,7 +82,7 @@ def emulate(
     """
     if not isinstance(plant, Plant):
         raise SpecError("plant", "must be a zoh.Plant", plant, "a table has no form in s")
-    if law not in LAWS:
+    if not isinstance(law, str) or law not in LAWS:
         raise SpecError("law", f"must be one of {', '.join(LAWS)}", law, "choose one of these")
     missing = [n for n in dict.fromkeys((*LAWS[law], "pm_deg")) if n not in parameters]
     if missing:

@@ -165,3 +165,17 @@ def test_a_p_with_its_margin_given_is_tried_first():
     assert d.margins.crossover == pytest.approx(plain.margins.crossover, rel=1e-9)
     with pytest.raises(zoh.Infeasible, match="ms must be at most"):  # 1.46 or more
         zoh.design(ARM, "auto", {"pm_deg": 40.0}, dt=0.1, requirements=zoh.Requirements(ms=1.4))
+
+
+def test_a_loop_that_misses_by_far_is_nearer_than_none():
+    slow = zoh.Plant(num=[1], den=[1, 0.2, 0])
+    with pytest.raises(zoh.Infeasible, match="overshoot_pct must be at most 1, measured"):
+        zoh.pi(slow, dt=0.1, requirements=zoh.Requirements(overshoot_pct=1))
+
+
+def test_what_is_no_requirement_is_named_before_the_search():
+    for asked in ("x", 3):
+        with pytest.raises(zoh.SpecError, match="requirements must be zoh"):
+            zoh.pi(ARM, dt=0.1, requirements=asked)
+        with pytest.raises(zoh.SpecError, match="requirements must be zoh"):
+            zoh.law_map(ARM, "pi", dt=0.1, requirements=asked)

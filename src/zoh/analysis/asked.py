@@ -3,7 +3,14 @@
 from dataclasses import dataclass
 
 from zoh.analysis.results import Margins, StepInfo
+from zoh.errors import SpecError
 from zoh.spec import Requirements
+
+OF_TIME = (
+    "overshoot_pct", "rise_time", "settling_time", "steady_state_error", "peak_effort",
+    "effort_min", "effort_max", "noise_gain",
+)  # fmt: skip
+"""The requirements that only a response in time shows."""
 
 _EQUAL = 1e-9  # 6 x 0.1 s is 0.6000000000000001: what equals a bound but for rounding meets it
 
@@ -48,6 +55,14 @@ class Compared:
         word = "at least" if self.at_least else "at most"
         shown = "none" if self.value is None else f"{self.value:.6g}"
         return f"{self.name} must be {word} {self.bound:g}, measured {shown}"
+
+
+def checked(asked: object) -> Requirements:
+    """Return ``asked`` as it is; raise SpecError unless it is a ``Requirements``."""
+    if not isinstance(asked, Requirements):
+        way_out = "zoh.Requirements(ms=1.8)"
+        raise SpecError("requirements", "must be zoh.Requirements", asked, way_out)
+    return asked
 
 
 def missed(

@@ -12,7 +12,7 @@ from math import radians
 from typing import Any
 
 from zoh import checks
-from zoh.analysis.asked import missed
+from zoh.analysis.asked import checked, missed
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import measure_loop
 from zoh.analysis.responses import noise_gains
@@ -189,10 +189,7 @@ def measure(
     reference = checks.number("reference", reference, "give the size of the step")
     if reference == 0:
         raise SpecError("reference", "must not be 0", reference, "a step of 0 shows nothing")
-    if not isinstance(requirements, Requirements):
-        raise SpecError(
-            "requirements", "must be zoh.Requirements", requirements, "zoh.Requirements(ms=1.8)"
-        )
+    requirements = checked(requirements)
     called = labels(law, gains, name)
     sampled = sample(plant, controller.dt, compute_delay)
     margins = measure_loop(Loop.of(controller, sampled))

@@ -27,7 +27,7 @@ class Explained:
     """One controller: where its degrees went, what emulation would cost, why it is as it is.
 
     budget    None where there is no loop, or none that crosses a gain of 1
-    prices    empty for a controller that was given, and for a plant that is a table
+    prices    empty for a controller that was given, one with sections, and a plant that is a table
     clocks    what other sample times cost; None where there are no prices
     reasons   one sentence each
     """
@@ -73,7 +73,7 @@ def _explained(project: Project, asked: Request | Given, entry: Entry) -> Explai
 
 def _priceable(project: Project, asked: Request | Given) -> tuple[Plant, Request] | None:
     """Return what can be made in s and at another clock: a model, and a request that fixes wc."""
-    if not isinstance(project.plant, Plant) or not isinstance(asked, Request):
+    if not isinstance(project.plant, Plant) or not isinstance(asked, Request) or asked.sections:
         return None
     needed = (*_PRICED, *LAWS.get(asked.law, ()))
     fixed = asked.law in LAWS and all(name in asked.parameters for name in needed)
@@ -115,6 +115,8 @@ def _reasons(project: Project, entry: Entry, found: Budget | None) -> list[str]:
     if isinstance(entry.measured, Measured) and entry.measured.choice is not None:
         said += entry.measured.choice.sentences
     said.append("most is taken by " + " and ".join(f"{i.name} ({i.deg:+.4g} deg)" for i in lost))
+    if not entry.measured.margins.stable:
+        return said
     late = entry.measured.margins.delay_margin
     share = number(late / project.dt)
     said.append(f"the loop bears {number(late)} s more delay, {share} samples")
@@ -125,7 +127,9 @@ def maps(project: Project, explained: Sequence[Explained]) -> Iterator[tuple[Ent
     """Yield the map of every controller whose law has one, with what is known of the controller."""
     for asked, e in zip(project.controllers, explained, strict=True):
         law = e.entry.law if e.entry.measured is None else e.entry.measured.law
-        if isinstance(project.plant, Plant) and isinstance(asked, Request) and law in MAPPED:
+        if not isinstance(project.plant, Plant) or not isinstance(asked, Request):
+            continue
+        if law in MAPPED and not asked.sections:  # a map knows no sections
             known = (*LAWS[law][2:], "filter_pole", "ti_td")
             shown = e.entry.measured if isinstance(e.entry.measured, Measured) else None
             yield e.entry, law_map(

@@ -75,7 +75,7 @@ def _where_the_plant_has(search: Search, pm_deg: float) -> Edge:
     """Return the fastest P with a margin that is given: the plant has it at a few crossovers."""
     found = [search.at(wc) for wc in crossovers(search.judge.sampled, pm_deg)]
     met = next((trial for trial in found if trial.met), None)
-    nearest = max(found, key=lambda trial: trial.judgement.slack, default=None)
+    nearest = max(found, key=lambda trial: trial.judgement.height, default=None)
     return Edge(best=met or nearest or search.fastest().best, above=None)
 
 
@@ -121,7 +121,7 @@ def _refusal(
     assumed: tuple[str, ...],
 ) -> Infeasible:  # fmt: skip
     """Return why no crossover, or no law, meets everything."""
-    name, best = max(tried, key=lambda pair: pair[1].judgement.slack)
+    name, best = max(tried, key=lambda pair: pair[1].judgement.height)
     where = f" at {given['wc']:.6g} rad/s" if "wc" in given else ""
     told = f" (assumed: {', '.join(assumed)})" if assumed else ""
     what = "no law" if law == AUTO else f"no {law}"

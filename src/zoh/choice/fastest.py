@@ -1,6 +1,7 @@
 """The fastest crossover at which a law meets everything that is asked.
 
-Crossovers are tried from Nyquist's frequency down, evenly in log. At each, the law's free
+Crossovers are tried from Nyquist's frequency down, in longer steps where more is missed. At each,
+the law's free
 coordinates are searched for the point where the least slack is largest; where that is not below
 0 the request can be met. The edge above the first such crossover is closed in on by halving.
 What can be met between two crossovers tried, and at neither, is not seen.
@@ -18,7 +19,7 @@ from zoh.choice.climb import Height, HighEnough, Point, climb, grid, tops
 from zoh.choice.freedom import Freedom, second_is_open
 from zoh.choice.judge import Judge, Judgement
 from zoh.choice.sieve import Sieve
-from zoh.errors import Infeasible
+from zoh.errors import Infeasible, SpecError
 from zoh.lti import poly
 from zoh.lti.systems import Sampled
 from zoh.spec import Crossover
@@ -26,7 +27,7 @@ from zoh.spec import Crossover
 STEP = (0.005, 0.015, 0.03)  # of wc, between two that are tried; by the number of coordinates
 EDGE = 1e-4  # of wc, to which the edge is closed in on
 _FAR = -0.1  # of slack: where a glance says that no point of the grid is above it, none is near
-_LOW = -1.5  # of slack: a hill that starts lower is not climbed
+_LOW = -1.0  # a hill that starts lower is no loop at all, and not climbed
 _STRIDE = 8.0  # times longer steps where a crossover misses by all
 _HILLS = 4  # that are climbed
 _NEAR = (0.02, 0.1, 0.004)  # the simplex's sizes where a point near the highest is known
@@ -82,10 +83,12 @@ class Search:
             here = self.at(wc)
             if here.met:
                 return self._closed_in(here, above)
-            if nearest is None or here.judgement.slack > nearest.judgement.slack:
+            if nearest is None or here.judgement.height > nearest.judgement.height:
                 nearest = here
             above = here
-            wc /= 1 + step * min(_STRIDE, 1 - (_STRIDE - 1) * min(0.0, here.judgement.slack - _FAR))
+            wc /= 1 + step * min(
+                _STRIDE, 1 - (_STRIDE - 1) * min(0.0, here.judgement.height - _FAR)
+            )
         return Edge(best=nearest or Trial(wc=top), above=None)
 
     def at(
@@ -106,7 +109,7 @@ class Search:
                 known[point] = self.judge.of(self.law, freedom.parameters(point))
                 if known[point].slack >= enough:
                     raise HighEnough
-            return known[point].slack
+            return known[point].height
 
         with suppress(HighEnough):
             if seed is not None and len(seed) == freedom.size:
@@ -114,7 +117,7 @@ class Search:
                     climb(height, seed, size)
             if not seeded or not known:
                 self._look(freedom, height, known)
-        best = max(known, key=lambda p: known[p].slack)
+        best = max(known, key=lambda p: known[p].height)
         return Trial(wc=wc, point=best, parameters=freedom.parameters(best), judgement=known[best])
 
     def _look(self, freedom: Freedom, height: Height, known: dict[Point, Judgement]) -> None:
@@ -128,20 +131,19 @@ class Search:
         for bound, point in order:
             if bound >= _FAR:
                 height(point)
-        for start in tops({p: known[p].slack for p in points if p in known})[:_HILLS]:
-            if known[start].slack >= _LOW:
+        for start in tops({p: known[p].height for p in points if p in known})[:_HILLS]:
+            if known[start].height >= _LOW:
                 climb(height, start)
 
     def _bounds(self, freedom: Freedom, points: Sequence[Point]) -> list[float]:
         """Return for each point a bound that its slack is not above."""
         if not self.sieve.tells or len(points) == 1:
             return [inf] * len(points)
-        spec = Crossover(wc=freedom.wc, pm_deg=90.0)
         bounds, some, controllers = [-inf] * len(points), [], []
         for i, point in enumerate(points):
             parameters = freedom.parameters(point)
             spec = Crossover(wc=freedom.wc, pm_deg=parameters["pm_deg"])
-            with suppress(Infeasible):
+            with suppress(Infeasible, SpecError):
                 found = solved(self.law, self.judge.sampled, spec, parameters)
                 some.append(i)
                 controllers.append(found.controller)

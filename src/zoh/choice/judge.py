@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf
 
-from zoh.analysis.asked import Compared, of_margins, of_time
+from zoh import checks
+from zoh.analysis.asked import OF_TIME, Compared, checked, of_margins, of_time
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import glance
 from zoh.analysis.responses import noise_gains
@@ -19,10 +20,6 @@ from zoh.lti.systems import Plant, Sampled
 from zoh.lti.wplane import warp
 from zoh.spec import Crossover, Requirements
 
-_TIME = (
-    "overshoot_pct", "rise_time", "settling_time", "steady_state_error", "peak_effort",
-    "effort_min", "effort_max", "noise_gain",
-)  # fmt: skip
 _AT_REST = "steady_state_error"  # which needs no response: the gains at w = 0 have it
 
 
@@ -39,6 +36,15 @@ class Judgement:
     rows: tuple[Compared, ...] = ()
     failed: str = ""
 
+    @property
+    def height(self) -> float:
+        """Return what a search climbs: a loop that misses by much is above none at all.
+
+        >>> Judgement(slack=-3.0).height  # no loop to compare
+        -3.0
+        """
+        return self.slack / (1 - self.slack) if self.rows and self.slack < 0 else self.slack
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Judge:
@@ -49,6 +55,10 @@ class Judge:
     compute_delay: float
     requirements: Requirements
     reference: float
+
+    def __post_init__(self) -> None:
+        checked(self.requirements)
+        checks.number("reference", self.reference, "give the size of the step")
 
     def of(self, law: str, parameters: Mapping[str, float]) -> Judgement:
         """Return the judgement of a law with these parameters, wc and pm_deg among them."""
@@ -66,12 +76,12 @@ class Judge:
         if off_target(margins, spec):
             return Judgement(slack=-2.0, failed="the margin is smaller at another crossover")
         rows = of_margins(self.requirements, margins)
-        if any(getattr(self.requirements, name) is not None for name in _TIME):
+        if any(getattr(self.requirements, name) is not None for name in OF_TIME):
             rows += self._in_time(controller)
         return judged(rows)
 
     def _in_time(self, controller: Sampled) -> list[Compared]:
-        if all(getattr(self.requirements, name) is None for name in _TIME if name != _AT_REST):
+        if all(getattr(self.requirements, name) is None for name in OF_TIME if name != _AT_REST):
             final, _ = gains_at_rest(self.plant, controller)
             step = StepInfo(steady_state_error=self.reference * (1 - final))
         else:

@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from zoh import checks
+from zoh.analysis.asked import checked
 from zoh.certificate import LAWS, OPTIONS
 from zoh.choice.choose import ASSUMED, nothing_asked
 from zoh.choice.freedom import Freedom
@@ -88,7 +89,7 @@ def law_map(
         raise SpecError("law", f"must be one of {', '.join(MAPPED)}", law, "choose one of these")
     across, up = (checks.whole("points", n, 2, "two numbers of points") for n in points)
     fixed = _fixed(law, given or {})
-    asked = requirements or Requirements()
+    asked = checked(Requirements() if requirements is None else requirements)
     asked = ASSUMED if nothing_asked(asked) else asked
     sampled = sample(plant, dt, compute_delay)
     judge = Judge(
@@ -118,7 +119,7 @@ def _best(judge: Judge, freedom: Freedom | None) -> Judgement | None:
         return None
     points = [(x,) for x in np.linspace(0, 1, _VALUES).tolist()] if freedom.size else [()]
     found = [judge.of(freedom.law, freedom.parameters(point)) for point in points]
-    return max(found, key=lambda judgement: judgement.slack)
+    return max(found, key=lambda judgement: judgement.height)
 
 
 def _fixed(law: str, given: Mapping[str, float]) -> dict[str, float]:
