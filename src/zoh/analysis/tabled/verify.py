@@ -13,7 +13,7 @@ from math import log, radians
 from typing import Any
 
 from zoh import checks
-from zoh.analysis.asked import missed
+from zoh.analysis.asked import OF_TIME, missed
 from zoh.analysis.results import StepInfo
 from zoh.analysis.tabled.count import count
 from zoh.analysis.tabled.margins import table_margins
@@ -29,10 +29,6 @@ from zoh.sampling.hold import sample
 from zoh.spec import Requirements
 
 _SAME_GAIN = 1e-6  # two roads to one gain; they differ by rounding, another loop by far more
-_NEVER_SHOWN = (
-    "overshoot_pct", "rise_time", "settling_time", "steady_state_error", "peak_effort",
-    "effort_min", "effort_max", "noise_gain",
-)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -232,7 +228,7 @@ def table_missed(asked: Requirements, margins: TableMargins) -> list[str]:
         return found
     found += [
         f"{name} is asked, and a table of margins does not show it"
-        for name in _NEVER_SHOWN
+        for name in OF_TIME
         if getattr(asked, name) is not None
     ]
     return found or _missed_beyond(asked, margins)
