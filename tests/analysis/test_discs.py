@@ -2,7 +2,7 @@
 
 import itertools
 from dataclasses import replace
-from math import atan, hypot, inf, pi, sqrt
+from math import atan, hypot, inf, pi, sqrt, tan
 
 import numpy as np
 import pytest
@@ -331,6 +331,15 @@ def test_zeros_of_a_sampled_loop_from_a_coarse_grid(v):
         for factor, zeros in ((0.99, 0), (1.01, 2)):
             loop = samples_late((-factor * k / 2, factor * k / 2), (1.0, 0.0), m)
             assert discs.unstable_zeros(loop, np.array(v)) == zeros
+
+
+@pytest.mark.parametrize(("off", "zeros"), [(0.09, 0), (0.11, None), (0.5, None), (0.95, 1)])
+def test_a_path_that_does_not_close_counts_nothing(monkeypatch, off, zeros):
+    """(s + 1)^3, all but alone, followed to v only, turns by 3 arctan v instead of 3 pi/2."""
+    whole = discs.stretches
+    monkeypatch.setattr(discs, "stretches", lambda loop, v: whole(loop, v)[:1])
+    v = tan((1.5 - off) * pi / 3)
+    assert discs.unstable_zeros(late([1e-9], [1, 3, 3, 1], 1.0), np.array([v])) == zeros
 
 
 def part_of(ends):

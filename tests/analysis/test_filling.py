@@ -223,3 +223,10 @@ def test_of_many_equal_crests_the_first():
     a = np.zeros(201)
     a[1::2] = 1.0
     assert tops(range(201), a, 0, 0.5) == set(range(1, 80, 2))
+
+
+def test_of_a_hundred_thousand_samples_the_first_and_the_highest_hundred():
+    a = np.zeros(100_001)
+    a[1::2] = 10 + np.arange(50_000)
+    first, highest = set(range(1, 200, 2)), set(range(99_801, 100_000, 2))
+    assert tops(range(len(a)), a, 0, 1.0) == first | highest

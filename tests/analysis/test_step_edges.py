@@ -1,6 +1,6 @@
 """step, closed, waveform: edges and refusals, worked by hand."""
 
-from math import exp, log
+from math import cos, exp, log, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -217,3 +217,13 @@ def test_what_the_module_gives_out():
     exec("from zoh.analysis.step import *", given)
     assert {"closed_loop_step", "step_info"} <= set(given)
     assert given["closed_loop_step"](INTEGRATOR, HALF).peak_effort == 0.5
+
+
+@pytest.mark.parametrize("zeta", [1e-4, 1e-6])
+def test_the_first_of_very_many_crests_is_the_highest(zeta):
+    """1/(s^2 + 2 zeta s + 1): at pi/sqrt(1 - zeta^2) = 3141.59 samples the highest one."""
+    found = step_info(zoh.sample(Plant(num=[1], den=[1, 2 * zeta, 1]), 1e-3))
+    w, t = sqrt(1 - zeta**2), 3.142
+    wanted = -100 * exp(-zeta * t) * (cos(w * t) + zeta / w * sin(w * t))
+    assert found.overshoot_pct == pytest.approx(wanted, rel=1e-9)
+    assert found.peak_time == pytest.approx(round(pi / 1e-3) * 1e-3, rel=1e-12)

@@ -26,6 +26,7 @@ from zoh.analysis.stretches import (
 
 PEAK_TOL = 1e-6  # relative; nearer to a peak than this the intervals would become too many
 _REAL = 1e-12  # of its size, an imaginary part that is rounding
+_WHOLE = 0.1  # of a zero: the angles' rounding is a millionth of it, any mistake a half
 _JUST_BEYOND = 1e-7  # of a root: far enough for its sign, near enough to have no other one
 
 
@@ -162,11 +163,12 @@ def _keeps_off(beyond: Stretch, level: float) -> bool:
 
 
 def unstable_zeros(loop: Loop, v: Array) -> int | None:
-    """Return how many zeros den + num exp(-j psi) has on the right; None if one is on the axis.
+    """Return how many zeros den + num exp(-j psi) has on the right; None where that is not proved.
 
     Over (jv + r)^n it goes to a constant, and from v = 0 to infinity its argument changes by
     -pi for each zero on the right. Within an interval whose disc leaves 0 out, the argument
-    changes by the angle between its ends.
+    changes by the angle between its ends; a zero on the axis is in every disc around it. What
+    then is no whole number has been followed along no closed path.
     Source: Mikhailov's criterion, the argument principle on the imaginary axis; for polynomials
     with exponentials R. Bellman and K. L. Cooke, Differential-Difference Equations, ch. 13.
     """
@@ -182,7 +184,8 @@ def unstable_zeros(loop: Loop, v: Array) -> int | None:
         f, g = (np.add(*part.at(x)) for x in ends)
         step = np.angle(g * np.conj(f)).sum()
         turned += -step if part.beyond else step
-    return round(((len(loop.den) - 1) * pi / 2 - turned) / pi)
+    zeros = (len(loop.den) - 1) / 2 - turned / pi
+    return round(zeros) if abs(zeros - round(zeros)) <= _WHOLE else None
 
 
 Claim = Callable[[Discs], tuple[Array, Array]]

@@ -12,6 +12,7 @@ from zoh.analysis.loop import Array
 from zoh.analysis.motion import BAND, NEAR, Indices, Motion, Track
 
 _LOOKED = 40  # the first crests, and the highest, that are looked at among many
+_AS_DEAR = 1000  # samples that cost as much to look at as one row does to fill
 _ROUNDING = 1e-13  # of the largest: a crest that stands out by less does not
 
 
@@ -52,14 +53,15 @@ def _tops(k: Indices, a: Array, begin: int, level: float) -> set[int]:
     The first ones and the highest. What is bent downwards stays below its chords' extensions.
     """
     left = max(begin, 1)
-    rise, fall = a[left:-1] - a[left - 1 : -2], a[left:-1] - a[left + 1 :]
-    gaps = np.diff(k[left - 1 :]).astype(float)
-    ratio = gaps[1:] / gaps[:-1]
-    reach = np.maximum(rise * np.maximum(1, ratio), fall * np.maximum(1, 1 / ratio))
-    high = a[left:-1] + reach > level + _ROUNDING * max(abs(level), abs(float(a.max())))
-    found = ((rise >= 0) & (fall >= 0) & high).nonzero()[0] + left
+    steps = a[left:] - a[left - 1 : -1]
+    crests = ((steps[:-1] >= 0) & (steps[1:] <= 0)).nonzero()[0]
+    rise, fall, i = steps[crests], -steps[crests + 1], crests + left
+    before, after = k[i] - k[i - 1], k[i + 1] - k[i]
+    reach = np.maximum(rise * np.maximum(1, after / before), fall * np.maximum(1, before / after))
+    found = i[a[i] + reach > level + _ROUNDING * max(abs(level), abs(float(a.max())))]
     best = found[(-a[found]).argsort(kind="stable")]
-    return {*found[:_LOOKED].tolist(), *best[:_LOOKED].tolist()}
+    looked = max(_LOOKED, len(k) // _AS_DEAR)
+    return {*found[:looked].tolist(), *best[:looked].tolist()}
 
 
 def filled(motion: Motion, track: Track, rows: list[int]) -> Track:
