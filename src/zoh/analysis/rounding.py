@@ -24,7 +24,6 @@ _SHORT = 2.0**32  # a coefficient of no more bits than that is meant as it stand
 _ANY = 1e4  # beyond it a bound says nothing
 _SLOW = 1e-7  # of Nyquist's frequency: nothing below it is asked for
 _GRID = 60  # points on which stability is asked for
-
 _FEW_BITS = 4 * _HALF_A_UNIT  # of |L| at an end in s: half a unit of num and of den, and as much
 
 _WAYS_OUT = {
@@ -128,7 +127,7 @@ def _delay_shift(loop: Loop, m: Margins) -> float:
         if w < _SLOW * _nyquist(loop):  # a delay of millions of samples is none to rely on
             continue
         turn = radians(pm_deg) % tau
-        if w and turn and abs(turn / w - m.delay_margin) <= 1e-9 * m.delay_margin:  # it is this one
+        if turn and abs(turn / w - m.delay_margin) <= 1e-9 * m.delay_margin:  # it is this one
             part, gain_slope, _ = _sensitivity(loop, w)
             v = warp(w, loop.dt or 0.0)
             return radians(_phase_shift(loop, w)) / turn + _over(part, abs(gain_slope) * v)
