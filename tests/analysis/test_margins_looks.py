@@ -1,0 +1,166 @@
+"""Which look margins takes, and what becomes of crossings at the ends of the axis."""
+
+from math import inf, pi, sqrt
+
+import pytest
+from mpmath import mp, mpf
+
+from zoh.analysis import margins as room
+from zoh.analysis import stretches
+from zoh.analysis.loop import Loop
+from zoh.analysis.margins import glance, measure_loop
+from zoh.errors import SpecError
+from zoh.lti.systems import Plant, Sampled
+from zoh.sampling.hold import sample
+
+
+class _Never:
+    @staticmethod
+    def of(*_):
+        raise AssertionError("this look is not needed")
+
+
+def late_integrator(m, part):
+    """Return part k/(z^m (z - 1)), k = 2 sin(pi/(4 m + 2)) closing onto -1 at w = pi/(2 m + 1)."""
+    k = part * 2 * float(mp.sin(mp.pi / (4 * m + 2)))
+    return Loop.of(Sampled.from_w(num_w=(-k / 2, k), den_w=(1.0, 0.0), dt=1.0, delay=m))
+
+
+def test_a_sparse_look_that_is_proved_is_all(monkeypatch):
+    monkeypatch.setattr(room, "Close", _Never)
+    found = measure_loop(Loop.of(Plant(num=[1], den=[1, 3, 2, 0])))
+    assert (found.gain_margin, found.certificate.holds) == (pytest.approx(6, rel=1e-14), True)
+
+
+def test_what_a_close_look_proves_is_not_multiplied_out(monkeypatch):
+    taken = []
+    plain = room.Squares.of
+
+    def seen(loop, *most):
+        taken.append(most)
+        return plain(loop, *most)
+
+    monkeypatch.setattr(room.Squares, "of", seen)
+    for m in (8, 20):
+        assert measure_loop(late_integrator(m, 0.5)).certificate.holds
+    assert taken == [(), ()]
+
+
+def least_distance(m, k):
+    """Return the least |1 + L| beside w = pi/(2 m + 1), in 50 digits."""
+    with mp.workdps(50):
+
+        def square(w):
+            z = mp.expj(w)
+            return abs(1 + mpf(k) / (z**m * (z - 1))) ** 2
+
+        return float(
+            mp.sqrt(square(mp.findroot(lambda w: mp.diff(square, w), mp.pi / (2 * m + 1))))
+        )
+
+
+@pytest.mark.parametrize(("m", "proved"), [(7, True), (12, True), (13, False)])
+def test_few_samples_are_multiplied_in_where_the_grid_proves_too_little(monkeypatch, m, proved):
+    monkeypatch.setattr(stretches, "_MOST", 200)  # intervals: fewer are sooner too little
+    loop = late_integrator(m, 1 - 1e-7)
+    found = measure_loop(loop)
+    assert found.stable
+    assert found.certificate.holds is proved
+    assert bool(found.warnings) is not proved
+    if proved:
+        k = loop.num[1]
+        assert found.modulus_margin == pytest.approx(least_distance(m, k), rel=1e-9)
+        assert found.certificate.modulus_margin.method in ("Descartes", "Sturm")
+        assert found.certificate.stable.holds
+
+
+@pytest.mark.parametrize("m", [3, 8, 30])
+def test_a_glance_proves_nothing_of_a_long_delay_and_sees_the_same(monkeypatch, m):
+    loop = late_integrator(m, 0.5)
+    wanted = measure_loop(loop)
+    monkeypatch.setattr(room, "proved", _Never.of)
+    found = glance(loop)
+    assert found.certificate is None
+    assert (found.stable, found.warnings) == (True, ())
+    # L leaves -180 deg at w = pi/(2 m + 1), with half of what it may have
+    assert found.gain_margin == pytest.approx(2.0, rel=1e-12)
+    assert found.phase_crossover == pytest.approx(pi / (2 * m + 1), rel=1e-12)
+    for name in ("phase_margin_deg", "crossover", "delay_margin", "bandwidth"):
+        assert getattr(found, name) == pytest.approx(getattr(wanted, name), rel=1e-12)
+    for name in ("modulus_margin", "mt", "disk_margin"):
+        assert getattr(found, name) == pytest.approx(getattr(wanted, name), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "loop",
+    [
+        Loop.of(Plant(num=[1], den=[1, 3, 2, 0])),
+        Loop.of(Sampled(num=[0.5], den=[1, -0.5], dt=0.1)),
+        late_integrator(2, 0.5),
+    ],
+)
+def test_a_glance_without_a_long_delay_is_the_whole_thing(loop):
+    assert glance(loop) == measure_loop(loop)
+
+
+def test_a_glance_at_a_dead_time_proves_nothing():
+    found = glance(Loop.of(Plant(num=[1], den=[1, 0], dead_time=0.1)))
+    assert found.certificate is None
+    assert found.gain_margin == pytest.approx(5 * pi, rel=1e-12)
+
+
+@pytest.mark.parametrize("delay", [0, 20])
+def test_beyond_floats_it_is_one_clear_line(delay):
+    loop = Loop.of(
+        Sampled.from_w(num_w=(0.0, 0.0, 1e200), den_w=(1e-200, 1, 1e200), dt=1.0, delay=delay)
+    )
+    for look in (glance, measure_loop):
+        with pytest.raises(SpecError, match="must have gains that a 64-bit float can hold"):
+            look(loop)
+
+
+def test_a_loop_that_is_real_everywhere():
+    """-2/(1 - s^2) is -2/(1 + w^2): a gain of 1/2 closes it onto -1 at rest, none needs be at 1."""
+    found = measure_loop(Loop.of(Plant(num=[2], den=[1, 0, -1])))
+    assert found.phase_crossings == ((0.0, 0.5), (pytest.approx(1.0, rel=1e-14), 1.0))
+    assert found.gain_crossings == ((pytest.approx(1.0, rel=1e-14), 0.0),)
+    assert not found.stable
+    # 2/(1 - s^2): +1 is passed there, and that is no phase crossing
+    turned = measure_loop(Loop.of(Plant(num=[-2], den=[1, 0, -1])))
+    assert turned.phase_crossings == ()
+    assert turned.gain_crossings == ((pytest.approx(1.0, rel=1e-14), 180.0),)
+
+
+def test_a_factor_that_no_float_holds_is_no_margin():
+    # k/(c s (s + 1) (s + 2)) bears a factor of 6 c/k at sqrt(2)
+    for k, c, held in ((1e-300, 1.0, True), (1e-300, 1e10, False), (1e300, 1e-30, False)):
+        found = measure_loop(Loop.of(Plant(num=[k], den=[c, 3 * c, 2 * c, 0])))
+        assert found.gain_margin == (pytest.approx(6 * c / k, rel=1e-12) if held else inf)
+        assert found.phase_crossover == (pytest.approx(sqrt(2), rel=1e-12) if held else None)
+
+
+def held(k, plant):
+    """Return k times a plant behind its hold, the two put together from their parameters."""
+    return Sampled.from_w(num_w=(k,), den_w=(1.0,), dt=0.5), sample(plant, 0.5)
+
+
+@pytest.mark.parametrize("a", [1.0, 0.7, 0.3])
+@pytest.mark.parametrize("k", [3.0, 7.0, 10.0, 0.1, 49.0])
+def test_a_held_loop_that_starts_at_one_but_for_rounding(k, a):
+    """k (a/k)/(s + a): the last bits say whether |L| passes 1 at 1e-8 rad/s, and mean nothing."""
+    lag = Plant(num=[a], den=[k, k * a])
+    assert measure_loop(Loop.of(*held(k, lag))).gain_crossings == ()
+    turned = Plant(num=[a], den=[k, k * a], sensor=-1.0)  # there it is -1
+    assert measure_loop(Loop.of(*held(k, turned))).gain_crossings == ((0.0, 0.0),)
+
+
+@pytest.mark.parametrize("zeta", [0.1, 0.6])
+@pytest.mark.parametrize("a", [1.0, 0.7, 0.3])
+@pytest.mark.parametrize("k", [3.0, 7.0, 10.0, 0.1, 49.0])
+def test_a_crossing_further_on_is_none_of_rounding(k, a, zeta):
+    """A resonance that starts at 1 passes it once more, near a sqrt(2 - 4 zeta^2)."""
+    plant = Plant(num=[a * a], den=[k, 2 * zeta * a * k, a * a * k])
+    law, sampled = held(k, plant)
+    ((w, _),) = measure_loop(Loop.of(law, sampled)).gain_crossings
+    assert w == pytest.approx(a * sqrt(2 - 4 * zeta**2), rel=0.05)  # what the hold adds
+    assert abs(law.at(w) * sampled.at(w)) == pytest.approx(1.0, rel=1e-12)
