@@ -36,6 +36,12 @@ def test_powers_are_squares_of_squares():
     assert [one.power(i)[0, 0] for i in (3, 0, 1, 2)] == [1.5**8 - 1, 0.5, 1.25, 1.5**4 - 1]
 
 
+def test_powers_are_not_shown():
+    one = of(1.5)
+    assert one.power(3) is one.power(3)
+    assert "power" not in repr(one)
+
+
 @pytest.mark.parametrize("count", [1, 2, 3, 8, 13])
 @pytest.mark.parametrize("doublings", [0, 2])
 def test_a_run_is_every_so_many_samples(count, doublings):
@@ -125,6 +131,12 @@ def test_a_swing_is_shown_four_times_a_radian(angle):
     states = np.exp(track.k * np.log(z)) * (1 + 1j)
     assert track.states[0] == pytest.approx(states.real, abs=1e-9)
     assert track.states[1] == pytest.approx(states.imag, abs=1e-9)
+
+
+@pytest.mark.parametrize(("angle", "gap"), [(0.3, 1), (0.1, 2), (0.0101, 16), (0.0151, 16)])
+def test_a_gap_is_the_largest_power_of_two_within_a_quarter_of_a_radian(angle, gap):
+    track = of(turning(1 - 1e-4, angle)).track()  # 184 thousand samples: enough to leave some out
+    assert set(np.diff(track.k[track.k < 100_000])) == {gap}
 
 
 def test_two_swings_are_shown_as_the_faster_needs_while_it_lives():

@@ -1,6 +1,7 @@
 """A certificate holds for what is complete, and does not for what is not."""
 
 from dataclasses import replace
+from fractions import Fraction
 from math import inf, pi, sqrt
 
 import numpy as np
@@ -10,7 +11,7 @@ from zoh.analysis import discs
 from zoh.analysis.close import Close
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import margins, measure_loop, peak
-from zoh.analysis.proof import Found, counted, proved
+from zoh.analysis.proof import Found, _just_below, _least, counted, proved
 from zoh.analysis.results import Proof
 from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import ON_DEN, ON_NUM, ON_OPPOSITE, Squares
@@ -278,3 +279,22 @@ def test_what_each_proof_says():
     first = margins(Plant(num=[1], den=[1, 1])).certificate.mt
     assert (first.holds, first.method) == (True, "Descartes")
     assert first.detail == "nowhere below 2 by more than 1e-09 of it"  # |1 + 1/L| at w = 0
+
+
+@pytest.mark.parametrize("least", [1.0, 0.75, 3e-5, 2.0**60])
+def test_a_square_a_little_below_that_of_the_least_value(least):
+    level, unit = _just_below(least)
+    assert Fraction(level, unit) == Fraction(least) ** 2 * Fraction(1 - 2e-9)
+
+
+def test_how_a_peak_inside_is_proved_and_how_one_said_too_low_is_not():
+    """1/(s (s + 1) (s + 2)): seen from its peaks every sign is plain."""
+    loop, squares, look, found = looked(Plant(num=[1], den=[1, 3, 2, 0]))
+    for peak_ in found.peaks:
+        assert 0 < peak_.v < inf
+        told = _least(squares, peak_)
+        assert (told.holds, told.method) == (True, "Descartes")
+        told = _least(squares, replace(peak_, least=1.01 * peak_.least))
+        assert (told.holds, told.method) == (False, "Sturm")
+    certificate = proved(loop, squares, look, found, stable=ROUTH)
+    assert certificate.modulus_margin == _least(squares, found.peaks[0])

@@ -187,3 +187,37 @@ def test_repeated_is_what_the_derivative_shares():
     a = from_roots([Fraction(2)] * 3 + [Fraction(1)] + [Fraction(-1)] * 2)
     shared = whole.repeated(a)
     assert shared == from_roots([Fraction(2)] * 2 + [Fraction(-1)])
+
+
+@pytest.mark.parametrize(
+    ("a", "plainly"),
+    [
+        ((1, 2, 3), True),
+        ((1, 0, 1, -1, 1), True),  # x^4 + x^2, and x^2 - x + 1 without roots: 1 < 4
+        ((3, -3, 1), True),  # 9 < 12
+        ((9, -6, 1), False),  # (3 x - 1)^2: 36 is not below 36
+        ((1, -3, 3, -1, 1), False),  # -3 x^3 is below 0
+        ((1, -3, 1), False),
+        ((1, 0, 1), True),
+        ((0, 1), True),
+        ((5,), True),
+        ((1, 0), False),
+        ((1, 1, -1), False),
+        ((1, -1), False),
+        ((-1, 1, 1), False),
+    ],
+)
+def test_what_is_seen_to_be_positive_at_a_glance(a, plainly):
+    assert whole._plainly_positive(a) is plainly
+
+
+def test_a_pole_at_infinity_is_on_the_boundary_whatever_the_rest():
+    assert not whole.hurwitz([0, -1, -2])  # -(w + 2), one root in the left half, one at infinity
+    assert not whole.hurwitz([0, 1, 2])
+    assert whole.hurwitz([-1, -2])
+
+
+@pytest.mark.parametrize("a", [(-1, 3, 1), (1, 3, -1), (-1, 3, -1)])
+def test_one_end_below_zero_is_enough_to_be_refused(a):
+    assert whole.positive(a) is None
+    assert whole.positive(a, 1.0) is None

@@ -81,7 +81,7 @@ class Motion:
     stretches: Sequence[Stretch]
     wait: int = 0
     fed: int = 0
-    _powers: list[Array] = field(default_factory=list, repr=False, compare=False)
+    _powers: list[Array] = field(default_factory=list, repr=False)
 
     def power(self, i: int) -> Array:
         """Return S with Z(k + 2^i) = Z(k) + S Z(k)."""
