@@ -16,9 +16,10 @@ if TYPE_CHECKING:
     from zoh.analysis.budget import Budget, budget
     from zoh.analysis.closed import EXCITATIONS
     from zoh.analysis.curves import Trace, trace
+    from zoh.analysis.evidence import Certificate, Proof
     from zoh.analysis.margins import margins
     from zoh.analysis.responses import Response, noise_gains, response, response_trace
-    from zoh.analysis.results import Certificate, Margins, Proof, StepInfo
+    from zoh.analysis.results import Margins, StepInfo
     from zoh.analysis.step import step_info
     from zoh.analysis.tabled.results import TableMargins
     from zoh.analysis.tabled.verify import (
@@ -115,7 +116,8 @@ _HOMES = {
     "zoh.analysis.margins": ("margins",),
     "zoh.analysis.responses": ("Response", "noise_gains", "response", "response_trace"),
     "zoh.analysis.curves": ("Trace", "trace"),
-    "zoh.analysis.results": ("Certificate", "Margins", "Proof", "StepInfo"),
+    "zoh.analysis.evidence": ("Certificate", "Proof"),
+    "zoh.analysis.results": ("Margins", "StepInfo"),
     "zoh.analysis.step": ("step_info",),
     "zoh.analysis.tabled.results": ("TableMargins",),
     "zoh.analysis.tabled.verify": (

@@ -5,6 +5,7 @@ from math import cos, inf, pi, sin
 import numpy as np
 import pytest
 
+from zoh.analysis import crossings
 from zoh.analysis.crossings import (
     _inverse_quadratic,
     _valleys,
@@ -138,3 +139,10 @@ def test_a_valley_that_is_no_deeper_changes_nothing():
     v = np.array([1.0, 2.0, 3.0])
     # y says 0 at 2, the function itself is never below 5
     assert least(lambda x: 5.0, lambda x: x - 2.5, v, np.array([1.0, 0.0, 1.0])) == 2.0
+
+
+def test_a_valley_is_closed_in_on():
+    for place in (1.0, 1.3, 1.999, 2.0):
+        at, value = crossings.valley(lambda w, p=place: (w - p) ** 2 + 3, 1.0, 2.0)
+        assert at == pytest.approx(place, abs=2e-8)  # golden sections to 1e-8
+        assert value == pytest.approx(3.0, rel=1e-15)

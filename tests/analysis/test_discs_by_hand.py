@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from zoh.analysis import discs
-from zoh.analysis.discs import PEAK_TOL, _stays_above
+from zoh.analysis.discs import DISC_TOL, _stays_above
 from zoh.analysis.loop import Loop
 from zoh.analysis.squares import ON_DEN, ON_NUM, ON_OPPOSITE
 from zoh.analysis.stretches import Discs
@@ -70,7 +70,7 @@ BOUNDS = [
 @pytest.mark.parametrize(("numbers", "below", "bound"), BOUNDS)
 def test_the_least_ratio_that_is_proved(asked, numbers, below, bound):
     for factor, proved in ((1 - 1e-9, True), (1 + 1e-9, False)):
-        value = bound * factor / (1 - PEAK_TOL)
+        value = bound * factor / (1 - DISC_TOL)
         told = discs.least(LOOP, V, value, below)
         assert (told.holds, told.method) == (True, "discs")
         assert told.detail == f"nowhere below {value:.9g} by more than 1e-06 of it"

@@ -8,6 +8,7 @@ from mpmath import mp, mpf
 from zoh.analysis import margins as room
 from zoh.analysis import stretches
 from zoh.analysis.loop import Loop
+from zoh.analysis.margin_crossings import margin_deg
 from zoh.analysis.margins import glance, measure_loop
 from zoh.errors import SpecError
 from zoh.lti.systems import Plant, Sampled
@@ -164,3 +165,12 @@ def test_a_crossing_further_on_is_none_of_rounding(k, a, zeta):
     ((w, _),) = measure_loop(Loop.of(law, sampled)).gain_crossings
     assert w == pytest.approx(a * sqrt(2 - 4 * zeta**2), rel=0.05)  # what the hold adds
     assert abs(law.at(w) * sampled.at(w)) == pytest.approx(1.0, rel=1e-12)
+
+
+def test_a_margin_is_in_the_half_turn_above():
+    assert margin_deg(-1 + 0j) == 0.0
+    assert margin_deg(1 + 0j) == 180.0
+    assert margin_deg(complex(1.0, -0.0)) == 180.0
+    assert margin_deg(complex(1.0, 0.0)) == 180.0
+    assert margin_deg(-1j) == pytest.approx(90.0, rel=1e-15)
+    assert margin_deg(1j) == pytest.approx(-90.0, rel=1e-15)

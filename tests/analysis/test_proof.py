@@ -9,10 +9,10 @@ import pytest
 
 from zoh.analysis import discs
 from zoh.analysis.close import Close
+from zoh.analysis.evidence import Proof
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import margins, measure_loop, peak
 from zoh.analysis.proof import Found, _just_below, _least, counted, proved
-from zoh.analysis.results import Proof
 from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import ON_DEN, ON_NUM, ON_OPPOSITE, Squares
 from zoh.analysis.stability import closed_loop_stable

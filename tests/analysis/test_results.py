@@ -6,7 +6,8 @@ from math import inf
 
 import pytest
 
-from zoh.analysis.results import Certificate, Gains, Margins, Proof, StepInfo, jsonable
+from zoh.analysis.evidence import Certificate, Proof
+from zoh.analysis.results import Gains, Margins, StepInfo, jsonable
 
 YES = Proof(holds=True, method="Descartes", detail="2 sign changes, 2 found")
 NO = Proof(holds=False, method="Sturm", detail="1 sign changes on the axis, 2 found")

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from zoh.analysis import stability
+from zoh.analysis.evidence import Proof
 from zoh.analysis.loop import Loop
-from zoh.analysis.results import Proof
 from zoh.analysis.stability import (
     _none_encircled,
     _turns,

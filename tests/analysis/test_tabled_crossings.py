@@ -42,22 +42,6 @@ def test_the_figures_are_those_of_the_nearest_crossings():
     assert late == near(min(radians(m) % (2 * pi) / w for w, m in seen.gain_crossings))
 
 
-def test_a_margin_is_in_the_half_turn_above():
-    assert margins._margin_deg(-1 + 0j) == 0.0
-    assert margins._margin_deg(1 + 0j) == 180.0
-    assert margins._margin_deg(complex(1.0, -0.0)) == 180.0
-    assert margins._margin_deg(complex(1.0, 0.0)) == 180.0
-    assert margins._margin_deg(-1j) == near(90.0)
-    assert margins._margin_deg(1j) == near(-90.0)
-
-
-def test_a_valley_is_closed_in_on():
-    for place in (1.0, 1.3, 1.999, 2.0):
-        at, value = margins._valley(lambda w, p=place: (w - p) ** 2 + 3, 1.0, 2.0)
-        assert at == pytest.approx(place, abs=2e-8)  # golden sections to 1e-8
-        assert value == near(3.0)
-
-
 def test_the_lowest_of_all_valleys_is_found():
     # |1 + L| of L = -|L|: the loudest below 1 is nearest to -1; it lies at a point of the table
     size = [0.1, 0.5, 0.1, 0.6, 0.1, 0.8, 0.1, 0.55, 0.1]

@@ -162,9 +162,18 @@ def _landmarks(loop: Loop, turning: Sequence[float] = ()) -> Array:
         size = np.array([1.0])
     low, high = max(size.min() / 100, 1e-307), min(size.max() * 100, 1e300)
     count = int(12 * (np.log10(high) - np.log10(low))) + 2
-    around = np.abs(every.imag)[:, None] + np.abs(every.real)[:, None] * _AROUND
-    v = np.concatenate([np.geomspace(low, high, count), around.ravel(), np.abs(every)])
+    v = np.concatenate([np.geomspace(low, high, count), around(every)])
     return np.unique(v[(v >= low * 1e-3) & (v <= high * 1e3)])
+
+
+def around(modes: ComplexArray) -> Array:
+    """Return frequencies at and around that of every pole or zero, and its size.
+
+    >>> around(np.array([-0.1 + 2j]))[6:9]
+    array([1.98, 2.  , 2.02])
+    """
+    beside = np.abs(modes.imag)[:, None] + np.abs(modes.real)[:, None] * _AROUND
+    return np.concatenate([beside.ravel(), np.abs(modes)])
 
 
 def _delay_grid(loop: Loop, v: Array) -> Array:

@@ -16,6 +16,7 @@ _LAST_BIT = 2.3e-16
 _TWINS = 1e-9  # relative distance of points that look at the same place
 _ONE = 1e-12  # relative distance of crossings that rounding cannot tell apart
 _VALLEYS = 500  # the lowest that are followed; a delay of 10 000 samples makes that many
+_GOLDEN = (5**0.5 - 1) / 2
 _FLAT = 1e-11  # relative; a minimum is flat, and its slope has no more digits to find it by
 
 
@@ -95,6 +96,22 @@ def _valleys(y: Array) -> list[int]:
     padded = np.concatenate([[inf], y, [inf]])
     found = np.flatnonzero((y <= padded[:-2]) & (y <= padded[2:]) & np.isfinite(y))
     return list(found[np.argsort(y[found])].tolist())
+
+
+def valley(f: Callable[[float], float], a: float, b: float) -> tuple[float, float]:
+    """Return (x, f(x)) at the minimum between a and b, x to the half of a float's digits."""
+    c, d = b - _GOLDEN * (b - a), a + _GOLDEN * (b - a)
+    fc, fd = f(c), f(d)
+    while b - a > 1e-8 * b:  # f is flat there: nearer, it changes by rounding only
+        if fc < fd:
+            b, d, fd = d, c, fc
+            c = b - _GOLDEN * (b - a)
+            fc = f(c)
+        else:
+            a, c, fc = c, d, fd
+            d = a + _GOLDEN * (b - a)
+            fd = f(d)
+    return (c, fc) if fc < fd else (d, fd)
 
 
 def merged(found: Iterable[float]) -> list[float]:

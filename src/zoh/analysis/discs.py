@@ -10,8 +10,8 @@ from math import pi
 
 import numpy as np
 
+from zoh.analysis.evidence import Proof
 from zoh.analysis.loop import Array, Loop
-from zoh.analysis.results import Proof
 from zoh.analysis.squares import Below
 from zoh.analysis.stretches import (
     TURNED,
@@ -24,19 +24,19 @@ from zoh.analysis.stretches import (
     taylor,
 )
 
-PEAK_TOL = 1e-6  # relative; nearer to a peak than this the intervals would become too many
+DISC_TOL = 1e-6  # relative; nearer to a peak than this the intervals would become too many
 _REAL = 1e-12  # of its size, an imaginary part that is rounding
 _WHOLE = 0.1  # of a zero: the angles' rounding is a millionth of it, any mistake a half
 _JUST_BEYOND = 1e-7  # of a root: far enough for its sign, near enough to have no other one
 
 
 def least(loop: Loop, v: Array, value: float, below: Below) -> Proof:
-    """Return whether |den + num| >= value |below| everywhere, but for PEAK_TOL of it.
+    """Return whether |den + num| >= value |below| everywhere, but for DISC_TOL of it.
 
     From the discs at once; where num is loud and of any phase from its least size; else from
     the value at the centre and the slope.
     """
-    floor = value * (1 - PEAK_TOL)
+    floor = value * (1 - DISC_TOL)
 
     def holds(d: Discs) -> Bools:
         """Ask L = top/bottom where it stays in a disc, and both apart where it may be infinite."""
@@ -57,7 +57,7 @@ def least(loop: Loop, v: Array, value: float, below: Below) -> Proof:
         return good
 
     proved = all(decided(part, holds) is not None for part in stretches(loop, v))
-    detail = f"nowhere below {value:.9g} by more than {PEAK_TOL:g} of it"
+    detail = f"nowhere below {value:.9g} by more than {DISC_TOL:g} of it"
     return Proof(holds=proved, method="discs", detail=detail)
 
 

@@ -11,33 +11,27 @@ sensitivity peaks); P. Seiler, A. Packard, P. Gahinet, An Introduction to Disk M
 Control Systems 40(5), 2020, eq. (5) with sigma = 0.
 """
 
-from cmath import phase
 from dataclasses import replace
-from math import degrees, frexp, inf, isnan, log, radians, tau
+from math import inf, isnan, log, radians, tau
 
 import numpy as np
 
 from zoh.analysis.close import Close
+from zoh.analysis.evidence import Proof
 from zoh.analysis.loop import Loop, out_of_range
+from zoh.analysis.margin_crossings import Crossings, gain_crossings, phase_crossings
 from zoh.analysis.proof import Found, Look, Peak, proved
-from zoh.analysis.results import Margins, Proof
+from zoh.analysis.results import Margins
 from zoh.analysis.rounding import doubts
 from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import LONG, ON_DEN, ON_NUM, ON_OPPOSITE, Below, Squares
 from zoh.analysis.stability import decided
 from zoh.errors import warn_of_accuracy
-from zoh.lti import poly
 from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
 from zoh.lti.systems import Plant, Sampled
 
-_TOUCHES = 4e-15  # |L| this near to 1 at an end of what a hold made is 1: a few roundings, and
-_AT_A_ROOT = 1e-13  # of its terms: what num conj den is, in floats, at a root of num or den
 _ON_IT_DEG = 1e-12  # a margin this small is 0: a few roundings of the angle
 _CHEAP = 2.5  # samples of delay up to which a proof costs less than a look from close by
-_BLUR = 1e-6  # the crossing they make up this near to it (|L| is flat there) is none
-_SMALL, _LARGE = 1e-100, 1e100  # sizes whose squares a float holds, with room for a ratio
-
-Crossings = list[tuple[float, float]]
 
 
 def margins(loop: Plant | Sampled | FrequencyResponse | TabledLoop) -> Margins:
@@ -125,8 +119,8 @@ def _measured(
     """Return everything that a look at the loop shows, with the proof that it is everything."""
     stable, why = decision
     unities, turns, drops = look.unities(), look.turns(), look.drops()
-    by_phase = _phase_crossings(loop, squares, unities, turns)
-    by_gain = _gain_crossings(loop, squares, unities, by_phase)
+    by_phase = phase_crossings(loop, squares, unities, turns)
+    by_gain = gain_crossings(loop, squares, unities, by_phase)
     peaks = [peak(loop, squares, look, below) for below in (ON_DEN, ON_NUM, ON_OPPOSITE)]
     found = Found(unities, turns, drops, peaks)
     certificate = proved(loop, squares, look, found, stable=why) if prove else None
@@ -151,63 +145,6 @@ def _measured(
         phase_crossings=tuple(by_phase),
         certificate=certificate,
     )
-
-
-def _gain_crossings(
-    loop: Loop, squares: Squares, unities: list[float], by_phase: Crossings
-) -> Crossings:
-    """Return (frequency, phase margin in deg) wherever |L| passes through 1."""
-    if not any(squares.gain):  # |L| is 1 everywhere: what counts is where L is -1
-        return [(w, 0.0) for w, _ in by_phase]
-    crossings = [(loop.frequency(v), _margin_deg(*loop.point(v))) for v in unities]
-    for v, top, bottom in loop.ends():
-        if not bottom or abs(abs(top / bottom) - 1) > _TOUCHES:
-            continue
-        w = loop.frequency(v)
-        if not loop.given:
-            crossings = [c for c in crossings if abs(c[0] - w) > _BLUR * _scale(loop)]
-        elif not loop.is_one_at(v):
-            continue
-        if top / bottom < 0:
-            crossings.append((w, 0.0))
-    return sorted(crossings)
-
-
-def _phase_crossings(
-    loop: Loop, squares: Squares, unities: list[float], turns: list[float]
-) -> Crossings:
-    """Return (frequency, factor on L that closes onto -1) wherever L is negative real."""
-    if not loop.dead_time and not any(squares.turn):
-        return _always_real(loop, squares, unities)
-    crossings = []
-    for v in turns:
-        (top, of_top), (bottom, of_bottom) = map(_within_floats, loop.point(v))
-        product = (top * bottom.conjugate()).real
-        if product < -_AT_A_ROOT * _bulk(loop, v, of_top, of_bottom):
-            factor = -_square(bottom) / product * (of_top / of_bottom)
-            crossings.append((loop.frequency(v), factor))
-    every = crossings + _at_the_ends(loop)
-    return sorted((w, factor) for w, factor in every if 0 < factor < inf)  # what a float holds
-
-
-def _at_the_ends(loop: Loop) -> Crossings:
-    """Return the phase crossings at w = 0 and at the Nyquist frequency."""
-    return [
-        (loop.frequency(v), -bottom / top) for v, top, bottom in loop.ends() if top * bottom < 0
-    ]
-
-
-def _always_real(loop: Loop, squares: Squares, unities: list[float]) -> Crossings:
-    """Return the phase crossings of a loop that is real at every frequency.
-
-    Any gain inside its range then makes it marginal somewhere: where |L| is 1 the factor is 1.
-    """
-    found = [
-        (w, 1.0)
-        for w, pm in _gain_crossings(loop, squares, unities, [])
-        if abs(pm) < 1e-9  # deg: at -1, not at +1
-    ]
-    return sorted({*found, *_at_the_ends(loop)})
 
 
 def peak(loop: Loop, squares: Squares, look: Look, below: Below) -> Peak:
@@ -237,35 +174,3 @@ def _delay_margin(loop: Loop, by_gain: Crossings) -> float:
 def _delay(w: float, pm_deg: float) -> float:
     """Return the delay in s that turns the loop at w rad/s onto -1; 0 where it is there."""
     return 0.0 if abs(pm_deg) < _ON_IT_DEG else radians(pm_deg) % tau / w
-
-
-def _square(x: complex) -> float:
-    return x.real * x.real + x.imag * x.imag
-
-
-def _scale(loop: Loop) -> float:
-    """Return the least frequency in rad/s at which the loop does anything."""
-    sizes = [abs(r) for r in (*poly.roots(loop.num), *poly.roots(loop.den)) if r]
-    return loop.frequency(min(sizes, default=1.0))
-
-
-def _margin_deg(top: complex, bottom: complex) -> float:
-    """Return the angle from -180 deg to L, in (-180, 180]."""
-    (top, _), (bottom, _) = _within_floats(top), _within_floats(bottom)
-    angle = degrees(phase(-top * bottom.conjugate()))
-    return 180.0 if angle <= -180 else angle
-
-
-def _bulk(loop: Loop, v: float, of_top: float, of_bottom: float) -> float:
-    """Return what |num den| would be at v if nothing cancelled, each times its unit."""
-    top = poly.at([abs(c) for c in loop.num], v) * of_top
-    return float(top * (poly.at([abs(c) for c in loop.den], v) * of_bottom))
-
-
-def _within_floats(x: complex) -> tuple[complex, float]:
-    """Return (x unit, unit), a power of two that keeps products of two such within a float."""
-    size = abs(x)
-    if _SMALL < size < _LARGE or not 0 < size < inf:
-        return x, 1.0
-    unit = 2.0 ** -frexp(size)[1]
-    return x * unit, unit

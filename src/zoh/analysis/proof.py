@@ -13,11 +13,11 @@ from typing import NamedTuple
 
 from zoh.analysis import discs
 from zoh.analysis.close import Close
+from zoh.analysis.evidence import Certificate, Proof
 from zoh.analysis.loop import Array, Loop
-from zoh.analysis.results import Certificate, Proof
 from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import Below, Squares
-from zoh.lti import whole
+from zoh.lti import signs
 from zoh.lti.whole import Whole
 
 _ROUNDING = 1e-13  # |D + N| of its terms where a loop runs through -1
@@ -72,10 +72,10 @@ def counted(a: Whole, found: int) -> Proof:
     >>> counted((1, -1, -2), 1).method, counted((1, -3, 2), 2).method, counted((1, -3, 2), 1).holds
     ('Descartes', 'Sturm', False)
     """
-    most = whole.variations(a)
+    most = signs.variations(a)
     if most == found <= 1:
         return Proof(holds=True, method="Descartes", detail=f"{most} sign changes, {found} found")
-    number = whole.crossings(a)
+    number = signs.crossings(a)
     detail = f"{number} sign changes on the axis, {found} found"
     return Proof(holds=number == found, method="Sturm", detail=detail)
 
@@ -89,7 +89,7 @@ def _least(squares: Squares, peak: Peak) -> Proof:
         return Proof(holds=not any(below), method="bound", detail="measured against 0 everywhere")
     level, unit = _just_below(peak.least)
     above = [unit * c - level * b for c, b in zip(squares.closed, below, strict=True)]
-    method = whole.positive(above, peak.v**2)
+    method = signs.positive(above, peak.v**2)
     return Proof(
         holds=method is not None,
         method=method or "Sturm",

@@ -12,9 +12,9 @@ from math import comb, exp, log, log10, pi
 import numpy as np
 
 from zoh.analysis.discs import unstable_zeros
+from zoh.analysis.evidence import Proof
 from zoh.analysis.loop import Array, Loop
-from zoh.analysis.results import Proof
-from zoh.lti import poly, whole
+from zoh.lti import poly, signs, whole
 
 SHORT = 10  # samples of delay up to which Routh's scheme costs less than winding
 LONGEST = 60  # samples of delay up to which it is asked where winding does not tell
@@ -36,14 +36,14 @@ def decided(loop: Loop) -> tuple[bool | None, Proof]:
     """
     m = 0 if loop.dt is None else round(loop.dead_time / loop.dt)
     if not loop.dead_time:
-        return whole.hurwitz(whole.plus(*loop.exact)), _ROUTH
+        return signs.hurwitz(whole.plus(*loop.exact)), _ROUTH
     if loop.dt is not None and m <= SHORT:
-        return whole.hurwitz(_with_delay(loop, loop.dt, m)), _ROUTH
+        return signs.hurwitz(_with_delay(loop, loop.dt, m)), _ROUTH
     found = _none_encircled(loop)
     if found is not None:
         return found, _WINDING
     if loop.dt is not None and m <= LONGEST:
-        return whole.hurwitz(_with_delay(loop, loop.dt, m)), _ROUTH
+        return signs.hurwitz(_with_delay(loop, loop.dt, m)), _ROUTH
     return None, _NO_PROOF
 
 
@@ -54,7 +54,7 @@ _NO_PROOF = Proof(holds=False, method="discs", detail="on the boundary, or too n
 
 def hurwitz_floats(a: Sequence[float]) -> bool:
     """Return whether every root of a, its coefficients taken exactly, has a negative real part."""
-    return whole.hurwitz(whole.of(a)[0][0])
+    return signs.hurwitz(whole.of(a)[0][0])
 
 
 def _with_delay(loop: Loop, dt: float, m: int) -> list[int]:

@@ -4,14 +4,14 @@ Crossings are those of the curve between the points, so of the points themselves
 controller, which is known between them too. Source: that of ``analysis.margins``.
 """
 
-from cmath import phase
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import degrees, inf, log, radians, tau
+from math import inf, log, radians, tau
 
 import numpy as np
 
-from zoh.analysis.crossings import sign_changes
+from zoh.analysis.crossings import sign_changes, valley
+from zoh.analysis.margin_crossings import margin_deg
 from zoh.analysis.squares import DROP
 from zoh.analysis.tabled.beyond import beyond
 from zoh.analysis.tabled.count import agreed
@@ -21,7 +21,6 @@ from zoh.analysis.tabled.spread import spread
 from zoh.analysis.tabled.words import warnings
 from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
 
-_GOLDEN = (5**0.5 - 1) / 2
 _VALLEYS = 6  # the lowest that are followed
 _FEWEST = 5  # points of which every second can be left out
 
@@ -118,7 +117,7 @@ def _gain_crossings(path: Path) -> tuple[tuple[float, float], ...]:
         return abs(path.at(w)) - 1
 
     found = sign_changes(excess, path.w, np.sign(np.abs(path.gain) - 1))
-    return tuple((w, _margin_deg(path.at(w))) for w in found)
+    return tuple((w, margin_deg(path.at(w))) for w in found)
 
 
 def _phase_crossings(path: Path) -> tuple[tuple[float, float], ...]:
@@ -153,12 +152,6 @@ def _bandwidth(path: Path) -> float | None:
     return next(iter(sign_changes(above, path.w, signs)), None)
 
 
-def _margin_deg(gain: complex) -> float:
-    """Return the angle from -180 deg to L, in (-180, 180]."""
-    angle = degrees(phase(-gain))
-    return 180.0 if angle <= -180 else angle
-
-
 def _least(value: Callable[[complex], float], path: Path) -> tuple[float, float]:
     """Return (w, minimum) over the band: every low valley is closed in on by golden sections."""
     y = np.array([value(g) for g in path.gain.tolist()])
@@ -168,25 +161,9 @@ def _least(value: Callable[[complex], float], path: Path) -> tuple[float, float]
     best = float(path.w[valleys[0]]), float(y[valleys[0]])
     for i in valleys.tolist():
         ends = path.w[max(i - 1, 0)], path.w[min(i + 1, len(y) - 1)]
-        found = _valley(lambda w: value(path.at(w)), float(ends[0]), float(ends[1]))
+        found = valley(lambda w: value(path.at(w)), float(ends[0]), float(ends[1]))
         best = min(best, found, key=lambda pair: pair[1])
     return best
-
-
-def _valley(f: Callable[[float], float], a: float, b: float) -> tuple[float, float]:
-    """Return (x, f(x)) at the minimum between a and b, x to the half of a float's digits."""
-    c, d = b - _GOLDEN * (b - a), a + _GOLDEN * (b - a)
-    fc, fd = f(c), f(d)
-    while b - a > 1e-8 * b:  # f is flat there: nearer, it changes by rounding only
-        if fc < fd:
-            b, d, fd = d, c, fc
-            c = b - _GOLDEN * (b - a)
-            fc = f(c)
-        else:
-            a, c, fc = c, d, fd
-            d = a + _GOLDEN * (b - a)
-            fd = f(d)
-    return (c, fc) if fc < fd else (d, fd)
 
 
 def _left_out(coarse: Sequence[Path], seen: Seen) -> Spread | None:

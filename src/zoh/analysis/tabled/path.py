@@ -9,6 +9,7 @@ from math import pi
 
 import numpy as np
 
+from zoh.analysis.close import around
 from zoh.errors import SpecError
 from zoh.lti import poly
 from zoh.lti.curve import Array
@@ -22,8 +23,6 @@ _MOST = 40_000  # points in all; a longer table is dense enough for fewer
 _SLOPE = 0.2  # of a slope from a whole number: a corner half an octave away turns it as much
 _PHASE_DEG = 30.0  # of a phase from its asymptote: that corner again, and some delay
 _FAR_BELOW = 1e-4  # of the lowest corner: there a loop is its asymptote within 1e-4 rad
-# distances from a mode's frequency in units of its damping
-_AROUND = np.array([-30.0, -10, -4, -2, -1, -0.5, -0.2, 0, 0.2, 0.5, 1, 2, 4, 10, 30])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -164,9 +163,7 @@ def _corners(controller: Plant | Sampled | None) -> Array:
     if controller is None:
         return np.empty(0)
     every = np.concatenate([poly.roots(a) for a in _fraction(controller)])
-    every = every[np.isfinite(every)]
-    around = np.abs(every.imag)[:, None] + np.abs(every.real)[:, None] * _AROUND
-    v = np.concatenate([around.ravel(), np.abs(every)])
+    v = around(every[np.isfinite(every)])
     v = np.unique(v[v > 0])
     if isinstance(controller, Plant):
         return v

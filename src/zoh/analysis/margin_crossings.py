@@ -1,0 +1,117 @@
+"""Where a loop crosses: |L| = 1 with its phase margin, L < 0 with the factor onto -1.
+
+What was found along the axis is given; the ends of the axis are looked at here. A loop is real
+at both, whatever it is, and a hold's rounding may put |L| on either side of 1 there.
+"""
+
+from cmath import phase
+from math import degrees, frexp, inf
+
+from zoh.analysis.loop import Loop
+from zoh.analysis.squares import Squares
+from zoh.lti import poly
+
+_TOUCHES = 4e-15  # |L| this near to 1 at an end of what a hold made is 1: a few roundings, and
+_BLUR = 1e-6  # the crossing they make up this near to it (|L| is flat there) is none
+_AT_A_ROOT = 1e-13  # of its terms: what num conj den is, in floats, at a root of num or den
+_SMALL, _LARGE = 1e-100, 1e100  # sizes whose squares a float holds, with room for a ratio
+
+Crossings = list[tuple[float, float]]
+
+
+def margin_deg(gain: complex) -> float:
+    """Return the angle from -180 deg to L, in (-180, 180], from L or what points as L does.
+
+    >>> margin_deg(-1j), margin_deg(2 + 0j), margin_deg(complex(2, -0.0))
+    (90.0, 180.0, 180.0)
+    """
+    angle = degrees(phase(-gain))
+    return 180.0 if angle <= -180 else angle
+
+
+def gain_crossings(
+    loop: Loop, squares: Squares, unities: list[float], by_phase: Crossings
+) -> Crossings:
+    """Return (frequency, phase margin in deg) wherever |L| passes through 1."""
+    if not any(squares.gain):  # |L| is 1 everywhere: what counts is where L is -1
+        return [(w, 0.0) for w, _ in by_phase]
+    crossings = [(loop.frequency(v), margin_deg(_direction(*loop.point(v)))) for v in unities]
+    for v, top, bottom in loop.ends():
+        if not bottom or abs(abs(top / bottom) - 1) > _TOUCHES:
+            continue
+        w = loop.frequency(v)
+        if not loop.given:
+            crossings = [c for c in crossings if abs(c[0] - w) > _BLUR * _scale(loop)]
+        elif not loop.is_one_at(v):
+            continue
+        if top / bottom < 0:
+            crossings.append((w, 0.0))
+    return sorted(crossings)
+
+
+def phase_crossings(
+    loop: Loop, squares: Squares, unities: list[float], turns: list[float]
+) -> Crossings:
+    """Return (frequency, factor on L that closes onto -1) wherever L is negative real."""
+    if not loop.dead_time and not any(squares.turn):
+        return _always_real(loop, squares, unities)
+    crossings = []
+    for v in turns:
+        (top, of_top), (bottom, of_bottom) = map(_within_floats, loop.point(v))
+        product = (top * bottom.conjugate()).real
+        if product < -_AT_A_ROOT * _bulk(loop, v, of_top, of_bottom):
+            factor = -_square(bottom) / product * (of_top / of_bottom)
+            crossings.append((loop.frequency(v), factor))
+    every = crossings + _at_the_ends(loop)
+    return sorted((w, factor) for w, factor in every if 0 < factor < inf)  # what a float holds
+
+
+def _at_the_ends(loop: Loop) -> Crossings:
+    """Return the phase crossings at w = 0 and at the Nyquist frequency."""
+    return [
+        (loop.frequency(v), -bottom / top) for v, top, bottom in loop.ends() if top * bottom < 0
+    ]
+
+
+def _always_real(loop: Loop, squares: Squares, unities: list[float]) -> Crossings:
+    """Return the phase crossings of a loop that is real at every frequency.
+
+    Any gain inside its range then makes it marginal somewhere: where |L| is 1 the factor is 1.
+    """
+    found = [
+        (w, 1.0)
+        for w, pm in gain_crossings(loop, squares, unities, [])
+        if abs(pm) < 1e-9  # deg: at -1, not at +1
+    ]
+    return sorted({*found, *_at_the_ends(loop)})
+
+
+def _square(x: complex) -> float:
+    return x.real * x.real + x.imag * x.imag
+
+
+def _scale(loop: Loop) -> float:
+    """Return the least frequency in rad/s at which the loop does anything."""
+    sizes = [abs(r) for r in (*poly.roots(loop.num), *poly.roots(loop.den)) if r]
+    return loop.frequency(min(sizes))
+
+
+def _direction(top: complex, bottom: complex) -> complex:
+    """Return a number that points as top/bottom does, and is within a float's range."""
+    (top, _), (bottom, _) = _within_floats(top), _within_floats(bottom)
+    return top * bottom.conjugate()
+
+
+def _bulk(loop: Loop, v: float, of_top: float, of_bottom: float) -> float:
+    """Return what |num den| would be at v if nothing cancelled, each times its unit."""
+    top = poly.at([abs(c) for c in loop.num], v) * of_top
+    return float(top * (poly.at([abs(c) for c in loop.den], v) * of_bottom))
+
+
+def _within_floats(x: complex) -> tuple[complex, float]:
+    """Return (x unit, unit), a power of two that keeps products of two such within a float."""
+    size = abs(x)
+    if _SMALL < size < _LARGE or not 0 < size < inf:
+        return x, 1.0
+    unit = 2.0 ** -frexp(size)[1]
+    return x * unit, unit

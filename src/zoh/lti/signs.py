@@ -1,0 +1,156 @@
+"""Signs and roots of polynomials in whole numbers: counted or excluded without rounding.
+
+Coefficients are in descending powers.
+"""
+
+from itertools import pairwise
+from math import frexp, gcd, inf, ldexp
+
+from zoh.lti.whole import Whole, shifted, trim
+
+
+def variations(a: Whole) -> int:
+    """Return how often the coefficients change sign: at least the number of positive roots.
+
+    The excess over the roots, each counted as often as it is repeated, is even.
+    Source: Descartes' rule of signs.
+
+    >>> variations((1, -3, 2))  # roots 1 and 2
+    2
+    """
+    signs = [c > 0 for c in a if c]
+    return sum(one != other for one, other in pairwise(signs))
+
+
+def positive_roots(a: Whole) -> int:
+    """Return the number of different positive roots, by Sturm's chain.
+
+    Source: F. R. Gantmacher, The Theory of Matrices, vol. 2, ch. XV, sec. 2 (Sturm's theorem).
+
+    >>> positive_roots((1, -3, 2)), positive_roots((1, -2, 1)), positive_roots((1, 0, 1))
+    (2, 1, 0)
+    """
+    chain = [trim(a)]
+    if len(chain[0]) < 2:
+        return 0
+    chain.append(_derivative(chain[0]))
+    while len(chain[-1]) > 1:
+        rest = _negative_remainder(chain[-2], chain[-1])
+        if not rest:
+            break
+        chain.append(rest)
+    return variations([b[-1] for b in chain]) - variations([b[0] for b in chain])
+
+
+def crossings(a: Whole) -> int:
+    """Return the number of positive roots of odd multiplicity, at which the sign changes.
+
+    >>> crossings((1, -2, 1)), crossings((1, -3, 3, -1)), crossings((1, -4, 5, -2))
+    (0, 1, 1)
+    """
+    # the roots of the k-th repeated divisor are those of multiplicity k + 1 and more
+    total, sign, rest = 0, 1, trim(a)
+    while len(rest) > 1:
+        total += sign * positive_roots(rest)
+        rest, sign = repeated(rest), -sign
+    return total
+
+
+def repeated(a: Whole) -> list[int]:
+    """Return the greatest common divisor of a and its derivative, up to a factor.
+
+    >>> repeated((1, -4, 5, -2))  # (x - 1)^2 (x - 2)
+    [1, -1]
+    """
+    one, other = list(a), _derivative(a)
+    while other:
+        one, other = other, _negative_remainder(one, other)
+    one = _reduced(one)
+    return one if one[0] > 0 else [-c for c in one]
+
+
+def _derivative(a: Whole) -> list[int]:
+    n = len(a) - 1
+    return [c * (n - i) for i, c in enumerate(a[:-1])]
+
+
+def _negative_remainder(a: Whole, b: Whole) -> list[int]:
+    """Return -(a mod b) times a positive number, its coefficients without a common factor."""
+    rest, lead = list(a), abs(b[0])
+    sign = 1 if b[0] > 0 else -1
+    while len(rest) >= len(b):
+        factor = sign * rest[0]
+        for i in range(len(rest)):
+            rest[i] = lead * rest[i] - (factor * b[i] if i < len(b) else 0)
+        del rest[0]
+    while rest and not rest[0]:
+        del rest[0]
+    return _reduced([-c for c in rest])
+
+
+def positive(a: Whole, near: float = 0.0) -> str | None:
+    """Return how a(x) > 0 for every x > 0 is proved, None where it is not so.
+
+    near  where it is least, if that is known: seen from there, all signs are plain
+
+    >>> positive((1, 2, 3)), positive((100, -200, 101), near=1.0), positive((1, -3, 2))
+    ('Descartes', 'Descartes', None)
+    """
+    a = trim(a)
+    if not a or a[0] < 0 or a[-1] < 0:
+        return None
+    if (0 < near < inf and _above_both_ways(a, near)) or not variations(a):
+        return "Descartes"
+    return None if positive_roots(a) else "Sturm"
+
+
+def _above_both_ways(a: Whole, near: float) -> bool:
+    """Return whether a is plainly positive above and below ``near``, there with 1/x for x."""
+    mantissa, exponent = frexp(near)
+    top, bottom = int(ldexp(mantissa, 32)), 32 - exponent
+    if bottom < 0:
+        top, bottom = top << -bottom, 0
+    n, scaled = len(a) - 1, []
+    up = 1
+    for i in range(n, -1, -1):  # power n - i
+        scaled.append((a[i] * up) << (bottom * i))
+        up *= top
+    return _plainly_positive(shifted(scaled)) and _plainly_positive(shifted(scaled[::-1]))
+
+
+def _plainly_positive(a: Whole) -> bool:
+    """Return whether a(x) > 0 for x >= 0 is seen at a glance: c0 + c1 x + c2 x^2 > 0, rest >= 0."""
+    if a[-1] <= 0 or any(c < 0 for c in a[:-2]):
+        return False
+    if len(a) < 2 or a[-2] >= 0:
+        return True
+    return len(a) > 2 and a[-2] ** 2 < 4 * a[-1] * a[-3]
+
+
+def hurwitz(a: Whole) -> bool:
+    """Return whether every root has a negative real part; a missing leading power says no.
+
+    In w a leading zero is a root at infinity, z = -1, on the boundary.
+    Source: F. R. Gantmacher, The Theory of Matrices, vol. 2, ch. XV (Routh's scheme).
+
+    >>> hurwitz((1, 2, 3)), hurwitz((1, 0, 3))
+    (True, False)
+    """
+    if len(a) == 1:
+        return a[0] != 0
+    if a[0] == 0 or a[-1] == 0:
+        return False
+    sign = 1 if a[0] > 0 else -1
+    upper, lower = [sign * c for c in a[0::2]], [sign * c for c in a[1::2]]
+    while lower:
+        if lower[0] <= 0:
+            return False
+        padded = [*lower[1:], *[0] * (len(upper) - len(lower))]
+        rest = [lower[0] * u - upper[0] * c for u, c in zip(upper[1:], padded, strict=True)]
+        upper, lower = lower, _reduced(rest)
+    return True
+
+
+def _reduced(a: list[int]) -> list[int]:
+    common = gcd(*a)
+    return [c // common for c in a] if common > 1 else a
