@@ -147,7 +147,7 @@ def test_another_crossover_of_smaller_margin_is_not_what_was_asked():
 
 def test_verified_evidence_cannot_be_made_up():
     d = zoh.pi(arm_table(), dt=DT, **ASKED["pi"])
-    fields = {name: getattr(d, name) for name in zoh.TableMeasured.__slots__}
+    fields = {name: getattr(d, name) for name in zoh.TableMeasured.__dataclass_fields__}
     assert zoh.TableVerified(**fields).margins is d.margins
     other = zoh.Sampled(num=[1.0], den=[1.0], dt=DT)
     with pytest.raises(NotMet, match="the evidence is not this loop's"):

@@ -373,7 +373,7 @@ def test_what_is_missed_is_not_verified():
 
 
 def fields(evidence, **changed):
-    kept = {f: getattr(evidence, f) for f in type(evidence).__slots__}
+    kept = {f: getattr(evidence, f) for f in type(evidence).__dataclass_fields__}
     return kept | changed
 
 

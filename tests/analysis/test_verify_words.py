@@ -16,7 +16,7 @@ HALF = Sampled(num=[0.5], den=[1], dt=1.0)
 
 
 def fields(found):
-    return {name: getattr(found, name) for name in Measured.__slots__}
+    return {name: getattr(found, name) for name in Measured.__dataclass_fields__}
 
 
 # L = 0.5/(z - 1). |L| = 1 at 2 asin(1/4) = 0.505361 rad/s, where its phase is 14.4775 deg short

@@ -5,98 +5,57 @@ and cannot be built from anything less. Nothing here knows how the controller ca
 law and its gains are labels.
 """
 
-from cmath import exp
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from math import radians
+from dataclasses import dataclass, fields
 from typing import Any
 
 from zoh import checks
 from zoh.analysis.asked import checked, missed
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import measure_loop
+from zoh.analysis.record import Record, crosses, labels, or_no
 from zoh.analysis.responses import noise_gains
-from zoh.analysis.results import Choice, Gains, Margins, StepInfo
+from zoh.analysis.results import Choice, Margins, StepInfo
 from zoh.analysis.stability import closed_loop_stable
 from zoh.analysis.step import closed_loop_step
 from zoh.errors import NotMet, SpecError, warn_of_accuracy
-from zoh.lti.forms import forms, sentences
 from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.systems import Plant, Sampled
-from zoh.lti.written import fraction, number
 from zoh.sampling.hold import sample
 from zoh.spec import Requirements
 
 NOTHING_ASKED = Requirements()
-_SAME_GAIN = 1e-6  # two roads to one gain; they differ by rounding, another loop by far more
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Measured:
+class Measured(Record):
     """One loop and what was measured of it.
 
-    plant, controller  as given; sampled is the plant behind its hold, sensor included
-    compute_delay      s, from sampling to output
-    reference          the step asked of the loop, in the units the controller compares
-    law, gains, name   labels
-    step               None where the closed loop is unstable
-    noise_gain         standard deviation of u per unit of white measurement noise, one value a
-                       sample; None where nothing is asked of it
-    misses             one sentence for each requirement missed; empty where all is met
-    choice             what was left open and how it was closed, a label; None where nothing was
+    plant       as given; sampled is the plant behind its hold, sensor included
+    reference   the step asked of the loop, in the units the controller compares
+    step        None where the closed loop is unstable
+    noise_gain  standard deviation of u per unit of white measurement noise, one value a
+                sample; None where nothing is asked of it
+    choice      what was left open and how it was closed, a label; None where nothing was
     """
 
-    name: str
-    law: str
-    gains: Mapping[str, float]
     plant: Plant
     sampled: Sampled
-    controller: Sampled
-    compute_delay: float
     reference: float
-    requirements: Requirements
     margins: Margins
     step: StepInfo | None
     noise_gain: float | None = None
-    misses: tuple[str, ...] = field(default=())
     choice: Choice | None = None
-
-    @property
-    def dt(self) -> float:
-        """Return the sample time in s."""
-        return self.controller.dt
-
-    @property
-    def forms(self) -> dict[str, Any]:
-        """Return the gains in parallel, standard and series form; {} for a law without kp."""
-        return forms(self.gains)
 
     @property
     def loop(self) -> Sampled:
         """Return the open loop, controller times sampled plant."""
         return self.controller * self.sampled
 
-    @property
-    def met(self) -> bool:
-        """Return whether everything asked is met, stability first."""
-        return not self.misses
-
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON form, one entry of ``designs``."""
         return {
-            "name": self.name,
-            "law": self.law,
-            "feasible": True,
-            "reason": None,
-            "gains": dict(self.gains),
-            "forms": self.forms,
-            "controller": {
-                "num": list(self.controller.num),
-                "den": list(self.controller.den),
-                "dt": self.dt,
-                "num_w": list(self.controller.num_w),
-                "den_w": list(self.controller.den_w),
-            },
+            **self._labels(),
             "margins": self.margins.to_dict(),
             "step": self._step_dict(),
             "noise_gain": self.noise_gain,
@@ -115,18 +74,10 @@ class Measured:
     def report(self) -> str:
         """Return what was measured in a few lines."""
         m = self.margins
-        gains = ", ".join(f"{k} = {number(v)}" for k, v in self.gains.items())
-        controller = fraction(self.controller.num, self.controller.den, "z")
-        verdict = {True: "stable", False: "UNSTABLE", None: "NOT PROVED to be stable"}[m.stable]
         lines = [
-            f"{self.name}: {self.law}" + (f" with {gains}" if gains else ""),
-            *(f"  {sentence}" for sentence in sentences(self.gains)),
-            f"  D(z) = {controller}, dt = {self.dt:g} s",
-            f"  closed loop {verdict}",
-            f"  phase margin {m.phase_margin_deg:.6g} deg at {_or_none(m.crossover)} rad/s,"
-            f" gain margin {m.gain_margin_db:.4g} dB at {_or_none(m.phase_crossover)} rad/s",
+            *self._head(m, "NOT PROVED to be stable"),
             f"  delay margin {m.delay_margin:.4g} s, Ms {m.ms:.4g}, Mt {m.mt:.4g},"
-            f" bandwidth {_or_none(m.bandwidth)} rad/s",
+            f" bandwidth {or_no(m.bandwidth)} rad/s",
         ]
         if self.step is not None:
             lines.append(_step_line(self.step))
@@ -155,11 +106,7 @@ class Verified(Measured):
         sampled = sample(self.plant, self.controller.dt, self.compute_delay)
         if not closed_loop_stable(Loop.of(self.controller, sampled)):
             return False
-        for wc, pm_deg in self.margins.gain_crossings:
-            gain = self.controller.at(wc) * sampled.at(wc)
-            if abs(gain + exp(1j * radians(pm_deg))) > _SAME_GAIN:
-                return False
-        return True
+        return crosses(lambda w: self.controller.at(w) * sampled.at(w), self.margins.gain_crossings)
 
 
 def measure(
@@ -214,18 +161,6 @@ def measure(
     )
 
 
-def labels(law: str, gains: Mapping[str, float] | None, name: str | None) -> dict[str, Any]:
-    """Return law, gains and name, checked."""
-    if gains is None:
-        gains = {}
-    if not isinstance(gains, Mapping):
-        raise SpecError("gains", "must name each gain", gains, 'such as {"kp": 2.0}')
-    known = {checks.text("gains", k): checks.number(f"gains[{k!r}]", v) for k, v in gains.items()}
-    law = checks.text("law", law)
-    label = law if name is None else checks.text("name", name)
-    return {"law": law, "gains": Gains(known), "name": label or law}
-
-
 def verify(
     plant: Plant,
     controller: Sampled,
@@ -258,11 +193,7 @@ def verified(evidence: Measured) -> Verified:
     """Return the evidence as ``Verified``, or raise NotMet that carries it."""
     if evidence.misses:
         raise NotMet(evidence.misses, evidence)
-    return Verified(**{f: getattr(evidence, f) for f in Measured.__slots__})
-
-
-def _or_none(value: float | None) -> str:
-    return "no" if value is None else f"{value:.6g}"
+    return Verified(**{f.name: getattr(evidence, f.name) for f in fields(Measured)})
 
 
 def _step_line(step: StepInfo) -> str:

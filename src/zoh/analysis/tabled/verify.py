@@ -6,61 +6,38 @@ built from anything less. It is a type of its own: a table shows margins and no 
 what they rest on outside it is in ``margins.warnings``.
 """
 
-from cmath import exp
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from math import log, radians
+from dataclasses import dataclass, fields
+from math import log
 from typing import Any
 
 from zoh import checks
 from zoh.analysis.asked import OF_TIME, missed
+from zoh.analysis.record import Record, crosses, labels
 from zoh.analysis.results import StepInfo
 from zoh.analysis.tabled.count import count
 from zoh.analysis.tabled.margins import table_margins
 from zoh.analysis.tabled.path import Path
 from zoh.analysis.tabled.results import TableMargins
-from zoh.analysis.verify import Measured, labels
+from zoh.analysis.verify import Measured
 from zoh.errors import NotMet, SpecError
-from zoh.lti.forms import forms, sentences
 from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
 from zoh.lti.systems import Sampled, sample_time
-from zoh.lti.written import fraction, number
 from zoh.sampling.hold import sample
 from zoh.spec import Requirements
 
-_SAME_GAIN = 1e-6  # two roads to one gain; they differ by rounding, another loop by far more
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TableMeasured:
+class TableMeasured(Record):
     """One loop of a controller and a tabled plant, and what was measured of it.
 
-    plant, controller  as given; sampled is the plant's table behind its hold
-    compute_delay      s, from sampling to output, that the table does not have in it
-    law, gains, name   labels
-    misses             one sentence for each requirement missed; empty where all is met
+    plant  as given; sampled is its table behind its hold. The compute delay is one that the
+    table does not have in it
     """
 
-    name: str
-    law: str
-    gains: Mapping[str, float]
     plant: FrequencyResponse
     sampled: FrequencyResponse
-    controller: Sampled
-    compute_delay: float
-    requirements: Requirements
     margins: TableMargins
-    misses: tuple[str, ...] = field(default=())
-
-    @property
-    def dt(self) -> float:
-        """Return the sample time in s."""
-        return self.controller.dt
-
-    @property
-    def forms(self) -> dict[str, Any]:
-        """Return the gains in parallel, standard and series form; {} for a law without kp."""
-        return forms(self.gains)
 
     @property
     def loop(self) -> TabledLoop:
@@ -72,27 +49,10 @@ class TableMeasured:
         """Return None: a table in a band shows no step response."""
         return None
 
-    @property
-    def met(self) -> bool:
-        """Return whether everything asked is met, stability first."""
-        return not self.misses
-
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON form, one entry of ``designs``."""
         return {
-            "name": self.name,
-            "law": self.law,
-            "feasible": True,
-            "reason": None,
-            "gains": dict(self.gains),
-            "forms": self.forms,
-            "controller": {
-                "num": list(self.controller.num),
-                "den": list(self.controller.den),
-                "dt": self.dt,
-                "num_w": list(self.controller.num_w),
-                "den_w": list(self.controller.den_w),
-            },
+            **self._labels(),
             "margins": self.margins.to_dict(),
             "step": None,
             "met": self.met,
@@ -102,16 +62,8 @@ class TableMeasured:
     def report(self) -> str:
         """Return what was measured in a few lines."""
         m = self.margins
-        gains = ", ".join(f"{k} = {number(v)}" for k, v in self.gains.items())
-        controller = fraction(self.controller.num, self.controller.den, "z")
-        verdict = {True: "stable", False: "UNSTABLE", None: "NOT DECIDED by the table"}[m.stable]
         lines = [
-            f"{self.name}: {self.law}" + (f" with {gains}" if gains else ""),
-            *(f"  {sentence}" for sentence in sentences(self.gains)),
-            f"  D(z) = {controller}, dt = {self.dt:g} s",
-            f"  closed loop {verdict}",
-            f"  phase margin {m.phase_margin_deg:.6g} deg at {_or_none(m.crossover)} rad/s,"
-            f" gain margin {m.gain_margin_db:.4g} dB at {_or_none(m.phase_crossover)} rad/s",
+            *self._head(m, "NOT DECIDED by the table"),
             f"  delay margin {m.delay_margin:.4g} s, Ms {m.ms:.4g}, Mt {m.mt:.4g} in the table",
         ]
         lines += [f"  note: {sentence}" for sentence in m.warnings]
@@ -135,10 +87,7 @@ class TableVerified(TableMeasured):
         loop = self.controller * in_clock(self.plant, self.controller.dt, self.compute_delay)
         if count(Path.of(loop)).unstable != 0:
             return False
-        return all(
-            abs(loop.at(wc) + exp(1j * radians(pm_deg))) <= _SAME_GAIN
-            for wc, pm_deg in self.margins.gain_crossings
-        )
+        return crosses(loop.at, self.margins.gain_crossings)
 
 
 Evidence = Measured | TableMeasured  # of a loop with a model, or with a table
@@ -201,7 +150,7 @@ def table_verified(evidence: TableMeasured) -> TableVerified:
     """Return the evidence as ``TableVerified``, or raise NotMet that carries it."""
     if evidence.misses:
         raise NotMet(evidence.misses, evidence)
-    return TableVerified(**{f: getattr(evidence, f) for f in TableMeasured.__slots__})
+    return TableVerified(**{f.name: getattr(evidence, f.name) for f in fields(TableMeasured)})
 
 
 def in_clock(plant: FrequencyResponse, dt: float, compute_delay: float) -> FrequencyResponse:
@@ -250,7 +199,3 @@ def _missed_beyond(asked: Requirements, margins: TableMargins) -> list[str]:
         for name, bound, value, at_least in rows
         if bound is not None and (value < bound if at_least else value > bound)
     ]
-
-
-def _or_none(value: float | None) -> str:
-    return "no" if value is None else f"{value:.6g}"
