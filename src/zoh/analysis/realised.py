@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from math import comb
 
 from zoh.lti.systems import Sampled
+from zoh.lti.whole import of
 
 
 def realised(system: Sampled) -> tuple[list[float], list[float], float]:
@@ -20,13 +21,10 @@ def realised(system: Sampled) -> tuple[list[float], list[float], float]:
     >>> realised(Sampled(num=[0.5], den=[1, -0.5], dt=1.0))
     ([0.5], [0.5], 0.0)
     """
-    parts = [c.as_integer_ratio() for c in (*system.num_w, *system.den_w)]
-    unit = max(bottom for _, bottom in parts)
-    whole = [top * (unit // bottom) for top, bottom in parts]  # what they have in common cancels
-    n = len(system.den_w)
+    wholes, _ = of(system.num_w, system.den_w)  # what they have in common cancels
     half = (system.dt / 2).as_integer_ratio()
-    num, den = _in_delta(whole[:n], half), _in_delta(whole[n:], half)
-    for i in range(n - len(system.num)):
+    num, den = (_in_delta(a, half) for a in wholes)
+    for i in range(len(den) - len(system.num)):
         num[i] = 0  # what z says is nothing is not the rounding of w
     first, lead = num[0], den[0]
     # a quotient of whole numbers is rounded once

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from fractions import Fraction
 
 Exact = tuple[Decimal, ...]
-Whole = tuple[list[int], int]  # whole numbers, and the one number that divides them all
 
 Number = TypeVar("Number", int, Decimal)
 
@@ -67,17 +66,6 @@ def checked(name: str, a: Exact) -> Exact:
 def rounded(a: Sequence[Decimal]) -> tuple[float, ...]:
     """Return the nearest floats."""
     return tuple(float(c) for c in a)
-
-
-def whole(a: Sequence[float]) -> Whole:
-    """Return floats as whole numbers over one power of two, exactly.
-
-    >>> whole([0.5, -3.0])
-    ([1, -6], 2)
-    """
-    ratios = [float(c).as_integer_ratio() for c in a]
-    unit = max([bottom for _, bottom in ratios])
-    return [top * (unit // bottom) for top, bottom in ratios], unit
 
 
 def times(a: Sequence[Number], b: Sequence[Number]) -> tuple[Number, ...]:

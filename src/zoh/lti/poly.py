@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from zoh.errors import SpecError
-from zoh.lti.digits import whole
+from zoh.lti.whole import of
 
 Poly = tuple[float, ...]
 ComplexArray = npt.NDArray[np.complex128]
@@ -144,7 +144,7 @@ def _parabola(a: Poly) -> list[complex]:
     The discriminant is taken in whole numbers and its root to 64 bits beyond the point, and of
     two real roots the one that is a difference comes from the product of both.
     """
-    (a0, a1, a2), _ = whole(a)
+    ((a0, a1, a2),), _ = of(a)
     inside = a1 * a1 - 4 * a0 * a2
     more = max(64, 192 - inside.bit_length()) // 2
     root = isqrt(abs(inside) << 2 * more)

@@ -12,7 +12,10 @@ from functools import lru_cache
 from math import atan, comb, tan
 from operator import mul
 
-from zoh.lti.digits import Exact, Whole, whole
+from zoh.lti.digits import Exact
+from zoh.lti.whole import of
+
+Ratio = tuple[list[int], int]  # whole numbers, and the one number that divides them all
 
 
 def warp(wc: float, dt: float) -> float:
@@ -79,7 +82,7 @@ def _columns(n: int) -> tuple[tuple[tuple[int, ...], ...], tuple[tuple[int, ...]
     return tuple(zip(*rows, strict=True)), tuple(zip(*back, strict=True))
 
 
-def z_to_w(a: Sequence[float], dt: float, n: int) -> Whole:
+def z_to_w(a: Sequence[float], dt: float, n: int) -> Ratio:
     """Return the polynomial in w that is (1 - w dt/2)^n a(z), degree n, n + 1 coefficients.
 
     Exact: w = (2/dt)(z-1)/(z+1) only mixes the coefficients with integers.
@@ -87,7 +90,7 @@ def z_to_w(a: Sequence[float], dt: float, n: int) -> Whole:
     >>> z_to_w((1.0, -1.0), dt=2.0, n=1)  # z - 1 = 2 w/(1 - w)
     ([4, 0], 2)
     """
-    values, unit = whole(a)
+    (values,), unit = of(a)
     values = [0] * (n + 1 - len(values)) + values
     top, bottom = dt.as_integer_ratio()
     bottom *= 2
@@ -95,13 +98,13 @@ def z_to_w(a: Sequence[float], dt: float, n: int) -> Whole:
     return [c * top ** (n - k) * bottom**k for k, c in enumerate(out)], unit * bottom**n
 
 
-def w_to_z(a: Sequence[float], dt: float, n: int) -> Whole:
+def w_to_z(a: Sequence[float], dt: float, n: int) -> Ratio:
     """Return the polynomial in z that is (z+1)^n a(w), degree n, n + 1 coefficients, exactly.
 
     >>> w_to_z((1.0, 0.0), dt=2.0, n=1)  # w = (z - 1)/(z + 1)
     ([2, -2], 2)
     """
-    values, unit = whole(a)
+    (values,), unit = of(a)
     values = [0] * (n + 1 - len(values)) + values
     top, bottom = dt.as_integer_ratio()
     bottom *= 2
