@@ -89,8 +89,5 @@ def _holds(
     sampled: Sampled, controller: Sampled, margins: Margins, tol_deg: float, bits: int
 ) -> bool:
     """Return whether the loop is stable with its margin where it was, coefficients rounded."""
-    law = rounded(controller, bits)
-    if not any(law.num):
-        return False
-    found = measure_loop(Loop.of(law, sampled))
+    found = measure_loop(Loop.of(rounded(controller, bits), sampled))
     return bool(found.stable) and (abs(found.phase_margin_deg - margins.phase_margin_deg) < tol_deg)
