@@ -104,12 +104,13 @@ def test_binary_fractions_need_their_bits_and_the_sign(k, bits):
 
 
 def test_where_no_float_is_long_enough():
-    """k (z - c)/(z - 1)^2 with c = 1 - 2^-20 - 2^-53: in words that hold k the last bit is lost.
+    """k (z - c)/(z (z - 1)^2) with c = 1 - 2^-20 - 2^-53: in words that hold k the last bit is lost.
 
     That turns z - c, which is as long as 1 - c at the crossover, by 2^-53 2^20/2 or so.
     """
     k, c = 2.0**-20, 1 - 2.0**-20 - 2.0**-53
-    law, plant = law_of([k, -k * c]), Sampled(num=[1.0], den=[1.0, -2.0, 1.0], dt=1.0)
+    law = law_of([k, -k * c], [1.0, 0.0])
+    plant = Sampled(num=[1.0], den=[1.0, -2.0, 1.0], dt=1.0)
     found = margins_of(law, plant)
     turn = degrees(2.0**-34)
     assert word_length(plant, law, found, turn / 10) is None
