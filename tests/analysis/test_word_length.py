@@ -114,7 +114,8 @@ def test_where_no_float_is_long_enough():
     found = margins_of(law, plant)
     turn = degrees(2.0**-34)
     assert word_length(plant, law, found, turn / 10) is None
-    assert word_length(plant, law, found, turn * 10) in range(45, 54)
+    # c = 1 - 2^-20 is enough: k 2^-20 is 2^-40, which 21 bits below 2^-19 and the sign reach
+    assert word_length(plant, law, found, turn * 10) == 22
 
 
 def test_a_word_holds_where_the_loop_is_stable_and_its_margin_moves_by_less():
