@@ -104,7 +104,7 @@ def test_binary_fractions_need_their_bits_and_the_sign(k, bits):
 
 
 def test_where_no_float_is_long_enough():
-    """k (z - c)/(z (z - 1)^2) with c = 1 - 2^-20 - 2^-53: in words that hold k the last bit is lost.
+    """k (z - c)/(z (z - 1)^2), c = 1 - 2^-20 - 2^-53: in words that hold k the last bit is lost.
 
     That turns z - c, which is as long as 1 - c at the crossover, by 2^-53 2^20/2 or so.
     """
