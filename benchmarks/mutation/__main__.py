@@ -47,6 +47,33 @@ HOLD += [
     for name in ("fixed", "fixed_bounds", "images", "hold_extremes")
 ]
 TESTS |= {f"sampling/{name}": HOLD for name in ("hold", "fixed", "response", "delta")}
+
+
+def _named(*starts: str) -> list[str]:
+    """Return the tests of analysis whose files' names begin so, and its doctests."""
+    found = (Path("tests/analysis").glob(f"test_{start}*.py") for start in starts)
+    return [*(str(path) for paths in found for path in sorted(paths)), "src/zoh/analysis"]
+
+
+# parts of analysis that have tests enough of their own: with fewer asked, more survive
+TESTS |= {
+    "analysis/rounding": _named("rounding", "margins"),
+    "analysis/margins": _named("margins", "proof"),
+    "analysis/margin_crossings": _named("margins"),
+    "analysis/discs": _named("discs", "proof"),
+    "analysis/proof": _named("proof", "discs"),
+    "analysis/evidence": _named("proof", "results"),
+    "analysis/motion": _named("motion", "step", "filling"),
+    "analysis/filling": _named("filling", "step"),
+    "analysis/budget": _named("budget"),
+    "analysis/sections": _named("budget"),
+    "analysis/word_length": _named("word_length"),
+    "analysis/load_error": _named("load_error"),
+    "analysis/record": _named("verify", "tabled_sentences"),
+    "analysis/verify": _named("verify"),
+    "lti/whole": ["tests/lti/test_whole.py", "src/zoh/lti", *_named("squares", "sparse", "loop")],
+    "lti/signs": ["tests/lti/test_signs.py", "src/zoh/lti", *_named("proof", "stability")],
+}
 UNTESTED, EXPLAINED = -1, -2
 WORDS = {
     KILLED: "killed",

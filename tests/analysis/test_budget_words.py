@@ -81,6 +81,21 @@ def test_the_names_of_all_parts():
     assert [item.name for item in b.items] == ["plant, hold and delays, as sampled"]
 
 
+def test_a_plant_that_has_turned_by_more_than_half_a_turn():
+    # (0.01/(s + 0.01))^3 at 100 rad/s and more: -90 deg three times but for 3 a/w rad
+    a = 0.01
+    plant = zoh.Plant(num=[a**3], den=[1, 3 * a, 3 * a * a, a**3], sensor=0.5, dead_time=0.1)
+    law = zoh.Sampled.from_w(num_w=[2e3], den_w=[1.0], dt=0.1, delay=3)
+    b = zoh.budget(plant, law)
+    found = {item.name: item.deg for item in b.items}
+    assert found["plant"] == pytest.approx(-3 * degrees(atan2(b.wc, a)), rel=1e-12)
+    assert found["plant"] < -200
+    assert found["sensor"] == 0.0
+    late = -degrees(0.3 * b.wc)
+    assert found["controller: delay of 3 samples"] == pytest.approx(late, rel=1e-14)
+    assert b.total_deg == pytest.approx(b.phase_margin_deg, abs=1e-9)  # what a budget promises
+
+
 def test_a_table_that_comes_sampled_is_one_item():
     sampled = zoh.sample(INTEGRATOR, 1.0)
     w = [0.1 * k for k in range(1, 32)]
@@ -117,6 +132,9 @@ def test_sections_in_their_order_with_their_angles():
     ]  # fmt: skip
     assert named((-2.0,), (-1.0,), 1.0) == []
     assert named((2.0,), (-1.0,), 1.0) == [("negative gain", -180.0)]
+    assert named((0.5,), (2.0,), 1.0) == []
+    assert named((2.0,), (0.5,), 1.0) == []
+    assert named((-0.5,), (0.5,), 1.0) == [("negative gain", -180.0)]
 
 
 def test_of_two_roots_of_one_size_the_left_one_comes_first():

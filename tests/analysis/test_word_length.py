@@ -1,7 +1,7 @@
 """word_length: what half a quantum costs, by hand and by moving coefficients in 50 digits."""
 
 from dataclasses import replace
-from math import asin, degrees, tan
+from math import asin, degrees, inf, tan
 
 import pytest
 from mpmath import mp, mpf
@@ -40,7 +40,7 @@ def test_rounding_to_a_word():
 
 
 @pytest.mark.parametrize("k", [0.75, 0.3, 1.2])
-@pytest.mark.parametrize("n", [3, 10, 20])
+@pytest.mark.parametrize("n", [2, 3, 10, 20])
 def test_a_gain_around_an_integrator_by_hand(k, n):
     """k/(z - 1) crosses at 2 asin(k/2) and has L'/L on the way there at tan(wc/2).
 
@@ -60,6 +60,26 @@ def test_no_word_is_shorter_than_a_sign_and_a_bit_nor_longer_than_a_float():
     assert sure_bits(INTEGRATOR, law, margins_of(law), 1e3) == 2
     assert sure_bits(INTEGRATOR, law, margins_of(law), 1e-300) > 53  # a bound, not a word
     assert sure_bits(INTEGRATOR, law, margins_of(law), 1e-320) == 53  # no number
+    assert sure_bits(INTEGRATOR, law, margins_of(law), inf) == 2
+
+
+def test_where_the_gain_is_flat_no_word_is_sure():
+    one = law_of([1.0])
+    anywhere = replace(margins_of(law_of([0.75])), crossover=1.0)
+    assert sure_bits(one, one, anywhere, 0.1) == 53
+
+
+def test_the_search_begins_above_the_bound():
+    """3/4 and 0.98 of half a quantum of 12 bits: these cost all but as much as they can.
+
+    The bound, which would have the 1 of den rounded as well, is 14 bits; 13 bits have a place for
+    2^-12, and are off by 0.02 of it.
+    """
+    k = 0.75 + 0.98 * 2.0**-12
+    law = law_of([k])
+    tol = degrees(tan(asin(k / 2)) / k) * 0.97 * 2.0**-12
+    assert sure_bits(INTEGRATOR, law, margins_of(law), tol) == 14
+    assert word_length(INTEGRATOR, law, margins_of(law), tol) == 13
 
 
 @pytest.mark.parametrize("dt", [1.0, 0.1])

@@ -31,7 +31,7 @@ def load_iae(plant: Plant, controller: Sampled, compute_delay: float = 0.0) -> f
     if controller.den_w[-1] != 0:
         return inf
     motion = closed_loop(plant, controller, compute_delay, "disturbance")
-    slowest = min((rate for rate, _ in motion.rates()), default=inf)
+    slowest = min(rate for rate, _ in motion.rates())
     if motion.wait or not slowest * _MOST > _REST:
         return inf
     total, state = 0.0, motion.start

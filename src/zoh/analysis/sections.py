@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from math import atan, atan2, degrees
 
 from zoh.lti import poly
-from zoh.lti.poly import Poly
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,8 +37,8 @@ def sections(num: Sequence[float], den: Sequence[float], v: float) -> tuple[Sect
     >>> [(s.name, round(s.deg, 9)) for s in sections((1.0,), (1.0, -1.0), 1.0)]
     [('negative gain', -180.0), ('pole at 1 rad/s', 45.0)]
     """
-    sign = _last(num) * _last(den)
-    found = [Section(name="negative gain", deg=-180.0)] if sign < 0 else []
+    negative = (_last(num) < 0) != (_last(den) < 0)
+    found = [Section(name="negative gain", deg=-180.0)] if negative else []
     found += [Section(name=f"zero {where}", deg=turn) for where, turn in _turns(num, v)]
     found += [Section(name=f"pole {where}", deg=-turn) for where, turn in _turns(den, v)]
     named = {"zero at 0": "differentiator", "pole at 0": "integrator"}
@@ -62,6 +61,5 @@ def _turns(a: Sequence[float], v: float) -> Iterator[tuple[str, float]]:
 
 
 def _last(a: Sequence[float]) -> float:
-    """Return the sign of the last coefficient that is not 0."""
-    core: Poly = tuple(c for c in a if c)
-    return 1.0 if core[-1] > 0 else -1.0
+    """Return the last coefficient that is not 0, the gain at s = 0 without what vanishes there."""
+    return next(c for c in reversed(a) if c)

@@ -54,7 +54,7 @@ def sure_bits(sampled: Sampled, controller: Sampled, margins: Margins, tol_deg: 
     wc, dt = margins.crossover or 0.0, controller.dt
     loop = controller * sampled
     ahead, behind = loop.at(wc * (1 + _STEP)), loop.at(wc * (1 - _STEP))
-    slope = (ahead - behind) / (2 * _STEP * wc * loop.at(wc))
+    slope = (ahead - behind) / loop.at(wc)  # times a real number, which is of no matter
     turn = slope.imag / slope.real if slope.real else inf
     worst = 0.0
     for part in (controller.num, controller.den):
@@ -63,7 +63,9 @@ def sure_bits(sampled: Sampled, controller: Sampled, margins: Margins, tol_deg: 
         worst += ldexp(sum(abs(d.imag - turn * d.real) for d in moves), _point(part))
     # worst 2^(1 - b)/2 is below tol where b is above log2(worst/tol)
     need = degrees(worst) / tol_deg
-    return max(2, ceil(log2(need))) if 0 < need < inf else _MOST
+    if not need < inf:
+        return _MOST
+    return ceil(log2(need)) if need > 4 else 2
 
 
 def rounded(controller: Sampled, bits: int) -> Sampled:
