@@ -69,7 +69,7 @@ TESTS |= {
     "analysis/sections": _named("budget"),
     "analysis/word_length": _named("word_length"),
     "analysis/load_error": _named("load_error"),
-    "analysis/record": _named("verify", "tabled_sentences"),
+    "analysis/record": _named("record", "verify", "tabled_sentences"),
     "analysis/verify": _named("verify"),
     "lti/whole": ["tests/lti/test_whole.py", "src/zoh/lti", *_named("squares", "sparse", "loop")],
     "lti/signs": ["tests/lti/test_signs.py", "src/zoh/lti", *_named("proof", "stability")],

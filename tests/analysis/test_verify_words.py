@@ -6,6 +6,7 @@ import pytest
 
 import zoh
 from zoh.analysis import verify as room
+from zoh.analysis.results import Choice
 from zoh.analysis.verify import Measured, Verified, measure, verified, verify
 from zoh.errors import NotMet, SpecError
 from zoh.lti.systems import Plant, Sampled
@@ -260,3 +261,32 @@ def test_a_controller_is_written_in_z():
     lead = Sampled(num=[2.0, -1.0], den=[1, -0.5], dt=0.125)
     told = measure(INTEGRATOR, lead).report()
     assert told.splitlines()[1] == "  D(z) = (2 z - 1)/(z - 0.5), dt = 0.125 s"
+
+
+def test_a_verdict_that_is_not_proved_in_words():
+    found = measure(INTEGRATOR, HALF)
+    open_ = replace(found, margins=replace(found.margins, stable=None))
+    assert open_.report().splitlines()[2] == "  closed loop NOT PROVED to be stable"
+
+
+def test_what_was_chosen_is_said_after_the_figures():
+    found = measure(INTEGRATOR, HALF, law="p", name="half", gains={"kp": 0.5, "ki": 1.0})
+    choice = Choice(open=("wc",), limits=("above 2 rad/s ms must be at most 1.7",))
+    chosen = replace(found, choice=choice)
+    assert chosen.report().splitlines() == [
+        *REPORT.splitlines(), *(f"  {sentence}" for sentence in choice.sentences)
+    ]  # fmt: skip
+    assert chosen.to_dict()["choice"] == choice.to_dict()
+    assert found.to_dict()["choice"] is None
+
+
+def test_a_sample_time_that_is_no_number():
+    with pytest.raises(SpecError, match=r"^dt must be .*got 'x': give seconds$"):
+        measure(INTEGRATOR, HALF, dt="x")
+
+
+def test_a_record_without_noise_or_choice():
+    kept = fields(measure(INTEGRATOR, HALF))
+    del kept["noise_gain"], kept["choice"], kept["misses"]
+    bare = Measured(**kept)
+    assert (bare.noise_gain, bare.choice, bare.misses) == (None, None, ())
