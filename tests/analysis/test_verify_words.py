@@ -290,3 +290,13 @@ def test_a_record_without_noise_or_choice():
     del kept["noise_gain"], kept["choice"], kept["misses"]
     bare = Measured(**kept)
     assert (bare.noise_gain, bare.choice, bare.misses) == (None, None, ())
+
+
+def test_noise_comes_through_the_delay_that_is_there():
+    """0.5/(z (z - 1)): u is -(1/2)(1 - (1/2)/(z^2 - z + 1/2)) of the noise.
+
+    1/(z^2 - z + 1/2) has a sum of squares of (3/2)/((1/2)(9/4 - 1)) = 2.4: 1/4 + 2.4/16 is 0.4.
+    """
+    asked = Requirements(noise_gain=1.0)
+    found = measure(INTEGRATOR, HALF, compute_delay=1.0, requirements=asked)
+    assert found.noise_gain == pytest.approx(0.4**0.5, rel=1e-12)
