@@ -174,3 +174,11 @@ def test_a_margin_is_in_the_half_turn_above():
     assert margin_deg(complex(1.0, 0.0)) == 180.0
     assert margin_deg(-1j) == pytest.approx(90.0, rel=1e-15)
     assert margin_deg(1j) == pytest.approx(-90.0, rel=1e-15)
+
+
+@pytest.mark.parametrize("dt", [0.1, 0.3, 0.7, 0.9, 1.1, 1.3, 1.7, 0.013])
+def test_a_held_loop_that_ends_at_minus_one_but_for_rounding(dt):
+    """(2/dt) dt/(z - 1): |L| falls to 1 at z = -1, where L is -1, and is flat there."""
+    law = Sampled.from_w(num_w=(2 / dt,), den_w=(1.0,), dt=dt)
+    loop = Loop.of(law, sample(Plant(num=[1], den=[1, 0]), dt))
+    assert measure_loop(loop).gain_crossings == ((pytest.approx(pi / dt, rel=1e-15), 0.0),)
