@@ -156,7 +156,7 @@ def test_a_held_loop_that_starts_at_one_but_for_rounding(k, a):
 
 
 @pytest.mark.parametrize("zeta", [0.1, 0.6])
-@pytest.mark.parametrize("a", [1.0, 0.7, 0.3])
+@pytest.mark.parametrize("a", [1.0, 0.7, 0.3, 1e-3])
 @pytest.mark.parametrize("k", [3.0, 7.0, 10.0, 0.1, 49.0])
 def test_a_crossing_further_on_is_none_of_rounding(k, a, zeta):
     """A resonance that starts at 1 passes it once more, near a sqrt(2 - 4 zeta^2)."""
@@ -182,3 +182,25 @@ def test_a_held_loop_that_ends_at_minus_one_but_for_rounding(dt):
     law = Sampled.from_w(num_w=(2 / dt,), den_w=(1.0,), dt=dt)
     loop = Loop.of(law, sample(Plant(num=[1], den=[1, 0]), dt))
     assert measure_loop(loop).gain_crossings == ((pytest.approx(pi / dt, rel=1e-15), 0.0),)
+
+
+@pytest.mark.parametrize("unit", [1e-150, 1.0, 1e150])
+def test_what_num_and_den_share_moves_no_crossing(unit):
+    found = measure_loop(Loop.of(Plant(num=[unit], den=[unit, 3 * unit, 2 * unit, 0])))
+    ((w, factor),) = found.phase_crossings
+    assert (w, factor) == (pytest.approx(sqrt(2), rel=1e-12), pytest.approx(6.0, rel=1e-12))
+
+
+def test_a_loop_that_all_but_runs_through_minus_one():
+    """k/(s (s + 1) (s + 2)), k = 6 (1 - 1e-9): |1 + L| has 7 digits in floats, and all in whole."""
+    k = 6 * (1 - 1e-9)
+    with mp.workdps(50):
+
+        def square(w):
+            s = mp.mpc(0, w)
+            return abs(1 + mpf(k) / (s * (s + 1) * (s + 2))) ** 2
+
+        wanted = mp.sqrt(square(mp.findroot(lambda w: mp.diff(square, w), mp.sqrt(2))))
+    found = measure_loop(Loop.of(Plant(num=[k], den=[1, 3, 2, 0])))
+    assert found.modulus_margin == pytest.approx(float(wanted), rel=1e-9)
+    assert found.certificate.modulus_margin.holds

@@ -328,6 +328,8 @@ def test_how_near_to_one_an_end_is_in_doubt():
     in_s = Loop.of(Plant(num=[0.1 + 0.2], den=[1, 0.3]))
     assert rounding._at_an_end(in_s, 0.0) == 2.0**-51
     assert rounding._at_an_end(Loop.of(Plant(num=[0.3], den=[1, 0.3])), 0.0) == -1.0
+    both = Loop.of(Plant(num=[1, 0.1 + 0.2], den=[1, 0.3]))  # 1 at infinity, and not at rest
+    assert (rounding._at_an_end(both, 0.0), rounding._at_an_end(both, inf)) == (2.0**-51, -1.0)
     in_z = Loop.of(Sampled(num=[-0.1], den=[1, -0.9], dt=1.0))
     wanted = HALF_A_UNIT * (1 + mpf(0.9) / (1 - mpf(0.9)))
     assert rounding._at_an_end(in_z, 0.0) == near(wanted)

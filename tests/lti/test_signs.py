@@ -151,3 +151,13 @@ def test_a_pole_at_infinity_is_on_the_boundary_whatever_the_rest():
 def test_one_end_below_zero_is_enough_to_be_refused(a):
     assert signs.positive(a) is None
     assert signs.positive(a, 1.0) is None
+
+
+@pytest.mark.parametrize("power", [0, 20, 31, 32, 33, 40, 300])
+def test_positive_seen_from_near_and_from_far(power):
+    """(100 (x - r)^2 + r^2)^2, and the same of 1/x: plain from x = r, not from far away."""
+    r = 2**power
+    one, other = (100, -200 * r, 101 * r * r), (100 * r * r, -200 * r, 101)
+    assert signs.positive(whole.times(one, one), float(r)) == "Descartes"
+    assert signs.positive(whole.times(other, other), 1 / r) == "Descartes"
+    assert signs.positive(whole.times(one, one), 0.01 * r) == "Sturm"

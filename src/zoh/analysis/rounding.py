@@ -46,7 +46,7 @@ def doubts(loop: Loop, m: Margins) -> tuple[str, ...]:
         for v, top, bottom in loop.ends()
         if top * bottom < 0 and abs(abs(top / bottom) - 1) <= _at_an_end(loop, v)
     ]
-    found += _of_z(loop, m) if loop.rounded and loop.dt is not None else []
+    found += _of_z(loop, m) if loop.rounded else []
     if not found:
         return ()
     kind = "coefficients" if loop.dt is None else "z-coefficients"
@@ -58,7 +58,7 @@ def _at_an_end(loop: Loop, v: float) -> float:
 
     What is 1 exactly is meant to be in s, where no more is known than the coefficients.
     """
-    if loop.rounded and loop.dt is not None:
+    if loop.rounded:
         part = sum(_parts(loop, v))
         return part if 0 < part < inf else -1.0
     return _FEW_BITS if loop.given and not loop.is_one_at(v) else -1.0
