@@ -117,6 +117,9 @@ def test_repeated_is_what_the_derivative_shares():
     a = from_roots([Fraction(2)] * 3 + [Fraction(1)] + [Fraction(-1)] * 2)
     shared = signs.repeated(a)
     assert shared == from_roots([Fraction(2)] * 2 + [Fraction(-1)])
+    assert signs.repeated([-c for c in a]) == shared
+    assert signs.repeated([-3 * c for c in from_roots([Fraction(1)] * 2)]) == [1, -1]
+    assert signs.repeated([1, -1]) == signs.repeated([-1, 1]) == [1]
 
 
 @pytest.mark.parametrize(
