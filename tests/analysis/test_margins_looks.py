@@ -9,8 +9,10 @@ from zoh.analysis import margins as room
 from zoh.analysis import stretches
 from zoh.analysis.loop import Loop
 from zoh.analysis.margin_crossings import margin_deg
-from zoh.analysis.margins import glance, measure_loop
+from zoh.analysis.margins import glance, margins, measure_loop
+from zoh.analysis.tabled.margins import table_margins
 from zoh.errors import SpecError
+from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.systems import Plant, Sampled
 from zoh.sampling.hold import sample
 
@@ -204,3 +206,15 @@ def test_a_loop_that_all_but_runs_through_minus_one():
     found = measure_loop(Loop.of(Plant(num=[k], den=[1, 3, 2, 0])))
     assert found.modulus_margin == pytest.approx(float(wanted), rel=1e-9)
     assert found.certificate.modulus_margin.holds
+
+
+@pytest.mark.parametrize(("top", "bears"), [(1.0, False), (0.5, False), (0.25, True), (0.0, True)])
+def test_a_loop_as_loud_as_one_at_infinity_bears_no_delay(top, bears):
+    assert (measure_loop(Loop.of(Plant(num=[top, 3], den=[0.5, 1]))).delay_margin > 0) is bears
+
+
+def test_the_margins_of_a_table_are_those_of_tables():
+    w = [0.25, 0.5, 1.0, 2.0, 4.0]
+    table = FrequencyResponse(w=w, magnitude=[1 / x for x in w], phase_deg=[-90.0] * 5)
+    assert margins(table) == table_margins(table)
+    assert margins(table).crossover == pytest.approx(1.0, rel=1e-12)

@@ -296,6 +296,7 @@ def test_a_figure_that_there_is_not_has_no_bound(without, missing):
         ("_phase_shift", 2e4, ["the phase margin may be off by any number of deg"]),
         ("_gain_shift", 0.01, []),
         ("_gain_shift", 0.0123, ["the gain margin may be off by 1.2 %"]),
+        ("_gain_shift", 2.0, ["the gain margin may be off by 200 %"]),
         ("_relative", [("Ms", 0.01), ("Mt", 2.5)], ["Mt may be off by 250 %"]),
         ("_of_return", 0.999, []),
         ("_of_return", 1.0, ["stability may be lost or won"]),

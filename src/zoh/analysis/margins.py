@@ -167,7 +167,7 @@ def _delay_margin(loop: Loop, by_gain: Crossings) -> float:
     of samples turns L round, and puts den + num there on the other side of 0.
     """
     _, top, bottom = loop.ends()[-1]
-    loud = top != 0 and abs(top) >= abs(bottom)
+    loud = abs(top) >= abs(bottom)
     return min([_delay(w, pm) for w, pm in by_gain] + [loop.dt or 0.0] * loud, default=inf)
 
 
