@@ -186,16 +186,17 @@ def test_a_held_loop_that_ends_at_minus_one_but_for_rounding(dt):
     assert measure_loop(loop).gain_crossings == ((pytest.approx(pi / dt, rel=1e-15), 0.0),)
 
 
-@pytest.mark.parametrize("unit", [1e-150, 1.0, 1e150])
+@pytest.mark.parametrize("unit", [1e-200, 1e-150, 1.0, 1e150, 1e200])
 def test_what_num_and_den_share_moves_no_crossing(unit):
     found = measure_loop(Loop.of(Plant(num=[unit], den=[unit, 3 * unit, 2 * unit, 0])))
     ((w, factor),) = found.phase_crossings
     assert (w, factor) == (pytest.approx(sqrt(2), rel=1e-12), pytest.approx(6.0, rel=1e-12))
 
 
-def test_a_loop_that_all_but_runs_through_minus_one():
-    """k/(s (s + 1) (s + 2)), k = 6 (1 - 1e-9): |1 + L| has 7 digits in floats, and all in whole."""
-    k = 6 * (1 - 1e-9)
+@pytest.mark.parametrize("near", [1e-9, 7e-10, 3e-10, 1e-10])
+def test_a_loop_that_all_but_runs_through_minus_one(near):
+    """k/(s (s + 1) (s + 2)), k = 6 (1 - near): |1 + L| has few digits in floats, all in whole."""
+    k = 6 * (1 - near)
     with mp.workdps(50):
 
         def square(w):
