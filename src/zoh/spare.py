@@ -24,6 +24,7 @@ from zoh.analysis.stability import closed_loop_stable
 from zoh.design import pid
 from zoh.design.target import Target, refusal
 from zoh.errors import Infeasible, SpecError
+from zoh.lti.forms import time_constant
 from zoh.lti.systems import Sampled
 from zoh.spec import Crossover
 
@@ -61,7 +62,7 @@ class Line:
         """Return the line; raise Infeasible where no PID is on it, SpecError on a table."""
         if not isinstance(sampled, Sampled):
             raise SpecError("ms", "must be searched on a model", ms, "on a table give ki or ti_td")
-        tau, target = pid.time_constant(filter_pole, sampled.dt), Target.of(sampled, spec)
+        tau, target = time_constant(filter_pole, sampled.dt), Target.of(sampled, spec)
         room = pid.room(target, tau)
         if room is None:
             able = pid.phases_of_any(target, tau)
@@ -103,7 +104,7 @@ class Line:
 
     def _at(self, share: float, v: Complex) -> Complex:
         law = self.law(log(share / (1 - share)))
-        tau = pid.time_constant(self.filter_pole, self.sampled.dt)
+        tau = time_constant(self.filter_pole, self.sampled.dt)
         return np.asarray(law.kp + law.ki / v + law.kd * v / (1 + v * tau))
 
     def candidates(self, count: int = _VALUES) -> tuple[Array, npt.NDArray[np.bool_]]:
@@ -123,7 +124,7 @@ class Line:
     def nothing(self) -> Infeasible:
         """Return that no value looked at is good."""
         target = Target.of(self.sampled, self.spec)
-        tau = pid.time_constant(self.filter_pole, self.sampled.dt)
+        tau = time_constant(self.filter_pole, self.sampled.dt)
         low, high = pid.phases_of_any(target, tau) or (0.0, 0.0)
         return Infeasible(
             f"no PID with positive gains has {self.spec.pm_deg:g} deg at {self.spec.wc:g} rad/s "

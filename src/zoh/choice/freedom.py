@@ -16,6 +16,7 @@ from zoh.design import first_order
 from zoh.design import pid as pid_law
 from zoh.design.target import Response, Target
 from zoh.errors import SpecError
+from zoh.lti.forms import time_constant
 from zoh.spec import Crossover
 
 SLOWEST = 0.1  # of wc, in the w-plane: how slowly a controller's zeros may decay
@@ -61,7 +62,7 @@ class Freedom:
         if pm is None:
             return None
         second = second_is_open(law, fixed)
-        tau = pid_law.time_constant(fixed.get("filter_pole"), sampled.dt)
+        tau = time_constant(fixed.get("filter_pole"), sampled.dt)
         return cls(
             law=law, target=target, turn_deg=turn_deg, wc=wc, pm=pm, fixed=fixed,
             size=(pm[0] < pm[1]) + second, tau=tau,
@@ -118,7 +119,7 @@ def second_is_open(law: str, fixed: Mapping[str, float]) -> bool:
 
 def _turns(law: str, target: Target, fixed: Mapping[str, float]) -> tuple[float, float] | None:
     """Return the interval of phases in rad that the law can give, any second parameter."""
-    tau, q = pid_law.time_constant(fixed.get("filter_pole"), target.dt), SLOWEST
+    tau, q = time_constant(fixed.get("filter_pole"), target.dt), SLOWEST
     x = target.v * tau
     if law == "pi":
         return -pi / 2, -atan(q)

@@ -11,7 +11,7 @@ lag a decade below the crossover, the lead around it).
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import acos, asin, atan, hypot, pi, sin, sqrt, tan
+from math import acos, asin, atan, hypot, sin, sqrt, tan
 
 from zoh.design.first_order import FirstOrder, corners
 from zoh.design.target import Phases, Response, Target, refusal
@@ -64,6 +64,7 @@ def solve(
     ``lag_corner`` is wz in rad/s (w-plane), ``lag_ratio`` wz/wp, above 1. Raises Infeasible
     where the phase is not among ``phases``.
 
+    >>> from math import pi
     >>> plant = Sampled(num=(1.0,), den=(1.0, -1.0), dt=1.0)
     >>> law = solve(plant, Crossover(wc=pi / 2, pm_deg=75), dc_gain=10.0)  # v = 2
     >>> round(law.lag.w0, 12), round(law.lead.w0 * law.lead.wp, 12)

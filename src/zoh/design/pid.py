@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from math import acos, asin, atan, cos, hypot, inf, pi, sin, sqrt
 
 from zoh.design.target import Phases, Response, Target, refusal
+from zoh.lti.forms import time_constant
 from zoh.lti.systems import Sampled
 from zoh.spec import Crossover
 
@@ -49,15 +50,6 @@ class PID:
         return Sampled.from_w(
             num_w=(lead, self.kp + self.ki * tau, self.ki), den_w=(tau, 1.0, 0.0), dt=self.dt
         )
-
-
-def time_constant(filter_pole: float | None, dt: float) -> float:
-    """Return 1/p in s; dt/2 to the last bit where p is 2/dt or is left open.
-
-    >>> time_constant(None, 0.1), time_constant(2 / 0.1, 0.1), time_constant(50.0, 0.1)
-    (0.05, 0.05, 0.02)
-    """
-    return dt / 2 if filter_pole is None or filter_pole == 2 / dt else 1 / filter_pole
 
 
 def phases(target: Target, ki: float, tau: float) -> Phases:

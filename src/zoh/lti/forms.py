@@ -18,6 +18,15 @@ from typing import Any
 from zoh.lti.written import number
 
 
+def time_constant(filter_pole: float | None, dt: float) -> float:
+    """Return 1/p in s; dt/2 to the last bit where p is 2/dt or is left open.
+
+    >>> time_constant(None, 0.1), time_constant(2 / 0.1, 0.1), time_constant(50.0, 0.1)
+    (0.05, 0.05, 0.02)
+    """
+    return dt / 2 if filter_pole is None or filter_pole == 2 / dt else 1 / filter_pole
+
+
 def forms(gains: Mapping[str, float]) -> dict[str, Any]:
     """Return each form by name, None where it does not exist, and why; {} for other gains.
 
