@@ -1,6 +1,7 @@
 """What a sample time costs: the hold's degrees by hand, the edge by a road of its own, the bits."""
 
 from fractions import Fraction
+from itertools import product
 from math import degrees, pi, sqrt
 
 import numpy as np
@@ -86,19 +87,20 @@ def test_rounding_to_words_is_what_fractions_say():
 
 
 @pytest.mark.parametrize("dt", [0.005, 0.03, 0.1])
-def test_the_bits_are_enough_and_one_less_is_not(dt):
+def test_the_bits_are_enough_wherever_the_coefficients_lie(dt):
     d = zoh.pid(ARM, dt=dt, **PID)
     bits = word_length(d.sampled, d.controller, d.margins, 0.1)
-    sure = sure_bits(d.sampled, d.controller, d.margins, 0.1)
-    assert bits <= sure
+    assert bits >= sure_bits(d.sampled, d.controller, d.margins, 0.1)
+    half = 2.0 ** (np.frexp(max(map(abs, d.controller.num)))[1] - bits)  # half a quantum of num
 
-    def moved(b):
-        law = rounded(d.controller, b)
-        m = measure_loop(Loop.of(law, d.sampled))
-        return abs(m.phase_margin_deg - 40) if m.stable else np.inf
+    def moved(signs):  # every coefficient of num as far off its place as rounding can put it
+        num = [c + sign * half for c, sign in zip(d.controller.num, signs, strict=True)]
+        law = zoh.Sampled(num=num, den=d.controller.den, dt=dt)
+        return abs(measure_loop(Loop.of(law, d.sampled)).phase_margin_deg - 40)
 
-    assert all(moved(b) < 0.1 for b in range(bits, sure + 8))
-    assert moved(bits - 1) >= 0.1
+    assert max(moved(signs) for signs in product((-1, 1), repeat=3)) < 0.1
+    law = rounded(d.controller, bits)
+    assert abs(measure_loop(Loop.of(law, d.sampled)).phase_margin_deg - 40) < 0.1
 
 
 def test_the_bound_is_the_sum_of_all_first_order_moves():

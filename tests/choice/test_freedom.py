@@ -5,10 +5,10 @@ from math import degrees, exp, log, pi, tan
 import numpy as np
 import pytest
 
-from zoh.certificate import solved
 from zoh.choice.freedom import SECOND, SLOWEST, Freedom
 from zoh.lti.systems import Plant, Sampled
 from zoh.sampling.hold import sample
+from zoh.solving import solved
 from zoh.spec import Crossover
 
 DT = 0.1

@@ -41,6 +41,7 @@ class Measured:
     feedforward        what those weights add to u from the reference; None where that is nothing
     misses             one sentence for each requirement missed; empty where all is met
     choice             what was left open and how it was closed, a label; None where nothing was
+    allowed            what was allowed by name, a label
     """
 
     name: str
@@ -60,6 +61,7 @@ class Measured:
     feedforward: Sampled | None = None
     misses: tuple[str, ...] = field(default=())
     choice: Choice | None = None
+    allowed: tuple[str, ...] = ()
 
     @property
     def dt(self) -> float:
@@ -88,6 +90,7 @@ class Measured:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON form, one entry of ``designs``."""
+        ahead = self.feedforward
         return {
             "name": self.name,
             "law": self.law,
@@ -98,13 +101,14 @@ class Measured:
             "controller": _coefficients(self.controller),
             "setpoint_weight": self.setpoint_weight,
             "derivative_weight": self.derivative_weight,
-            "reference_path": _coefficients(self.reference_path),
+            "reference_path": None if ahead is None else _coefficients(self.reference_path),
             "margins": self.margins.to_dict(),
             "step": self._step_dict(),
             "noise_gain": self.noise_gain,
             "met": self.met,
             "misses": list(self.misses),
             "choice": None if self.choice is None else self.choice.to_dict(),
+            "allowed": list(self.allowed),
         }
 
     def _step_dict(self) -> dict[str, Any] | None:
@@ -137,6 +141,7 @@ class Measured:
             lines.append("  proved: stability, every crossing, every peak")
         if self.choice is not None:
             lines += [f"  {sentence}" for sentence in self.choice.sentences]
+        lines += [f"  allowed: {word}" for word in self.allowed]
         lines += [f"  NOTE: {warning}" for warning in m.warnings]
         lines += [f"  MISSED: {miss}" for miss in self.misses]
         return "\n".join(lines)

@@ -16,10 +16,9 @@ from zoh.choice.fastest import Edge, Search, Trial
 from zoh.choice.judge import Judge
 from zoh.design.p import crossovers
 from zoh.errors import Infeasible
+from zoh.request import AUTO, Progress
 from zoh.spec import Requirements
 
-AUTO = "auto"
-OF_AUTO = ("wc", "pm_deg")  # the parameters that every law understands
 FROM_THE_SIMPLEST = ("p", "pi", "pd", "lead", "lag", "pid")
 ASSUMED = Requirements(pm_deg=45.0, ms=1.7)
 _LEAST_PEAK = 1.25  # times the least Ms that a margin allows: what is assumed where that is more
@@ -35,14 +34,16 @@ class Chosen:
     choice: Choice
 
 
-def choose(judge: Judge, law: str, given: Mapping[str, float]) -> Chosen:
+def choose(
+    judge: Judge, law: str, given: Mapping[str, float], progress: Progress | None = None
+) -> Chosen:
     """Return the law, all its parameters set; raise Infeasible where nothing meets everything."""
     nothing = nothing_asked(judge.requirements)
     assumed = _assumed(law, given) if nothing else judge.requirements
     judge = replace(judge, requirements=assumed)
     tried: list[tuple[str, Trial]] = []
     for name in FROM_THE_SIMPLEST if law == AUTO else (law,):
-        edge = _edge(judge, name, given)
+        edge = _edge(judge, name, given, progress)
         if edge.best.met and edge.best.parameters is not None:
             choice = Choice(
                 open=_open(law, given, edge.best.parameters),
@@ -62,8 +63,8 @@ def nothing_asked(asked: Requirements) -> bool:
     return all(getattr(asked, f.name) is None for f in fields(Requirements))
 
 
-def _edge(judge: Judge, law: str, given: Mapping[str, float]) -> Edge:
-    search = Search(judge, law, given)
+def _edge(judge: Judge, law: str, given: Mapping[str, float], progress: Progress | None) -> Edge:
+    search = Search(judge, law, given, progress)
     if law == "p" and "pm_deg" in given and "wc" not in given:
         return _where_the_plant_has(search, given["pm_deg"])
     if "wc" not in given:

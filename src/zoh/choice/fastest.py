@@ -14,7 +14,6 @@ from math import inf, pi
 
 import numpy as np
 
-from zoh.certificate import solved
 from zoh.choice.climb import Height, HighEnough, Point, climb, grid, tops
 from zoh.choice.freedom import Freedom, second_is_open
 from zoh.choice.judge import Judge, Judgement
@@ -22,6 +21,8 @@ from zoh.choice.sieve import Sieve
 from zoh.errors import Infeasible, SpecError
 from zoh.lti import poly
 from zoh.lti.systems import Sampled
+from zoh.request import Progress
+from zoh.solving import solved
 from zoh.spec import Crossover
 
 STEP = (0.005, 0.015, 0.03)  # of wc, between two that are tried; by the number of coordinates
@@ -68,8 +69,10 @@ class Edge:
 class Search:
     """A law of which something is open, ``fixed`` what is given, and who judges its designs."""
 
-    def __init__(self, judge: Judge, law: str, fixed: Mapping[str, float]) -> None:
-        self.judge, self.law, self.fixed = judge, law, fixed
+    def __init__(
+        self, judge: Judge, law: str, fixed: Mapping[str, float], progress: Progress | None = None
+    ) -> None:
+        self.judge, self.law, self.fixed, self.progress = judge, law, fixed, progress
         self.sieve = Sieve(judge.sampled, judge.requirements)
 
     def fastest(self) -> Edge:
@@ -80,6 +83,8 @@ class Search:
         top, bottom = _ends(self.judge.sampled)
         wc = top
         while wc > bottom:
+            if self.progress is not None:
+                self.progress(f"{self.law}: is everything met at {wc:.4g} rad/s?")
             here = self.at(wc)
             if here.met:
                 return self._closed_in(here, above)

@@ -15,13 +15,13 @@ import numpy.typing as npt
 
 from zoh import checks
 from zoh.analysis.asked import checked
-from zoh.certificate import LAWS, OPTIONS
 from zoh.choice.choose import ASSUMED, nothing_asked
 from zoh.choice.freedom import Freedom
 from zoh.choice.judge import Judge, Judgement
 from zoh.errors import SpecError
 from zoh.lti import poly
 from zoh.lti.systems import Plant, Sampled
+from zoh.request import LAWS, OPTIONS
 from zoh.sampling.hold import sample
 from zoh.spec import Requirements
 

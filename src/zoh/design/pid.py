@@ -88,7 +88,10 @@ def room(target: Target, tau: float) -> tuple[float, float] | None:
     return (low, high) if low < high else None
 
 
-def solve(plant: Response, spec: Crossover, ki: float, filter_pole: float | None = None) -> PID:
+def solve(
+    plant: Response, spec: Crossover, ki: float, filter_pole: float | None = None, *,
+    any_sign: bool = False,
+) -> PID:  # fmt: skip
     """Return the PID with this ki whose loop crosses 1 at ``spec.wc`` with ``spec.pm_deg``.
 
     With v, |G| and theta of ``Target``, and x = v/p, p the filter's pole, 2/dt where left open::
@@ -97,13 +100,16 @@ def solve(plant: Response, spec: Crossover, ki: float, filter_pole: float | None
         kp = cos(theta)/|G| - x (sin(theta)/|G| + ki/v)
 
     A proposal: only ``analysis.verify`` says that the loop is stable. Raises SpecError if wc is
-    not below Nyquist, Infeasible if kp or kd would not be positive. ki = 0 gives a PD.
+    not below Nyquist, Infeasible if kp or kd would not be positive, unless they may be of
+    ``any_sign``. ki = 0 gives a PD.
 
     >>> plant = Sampled(num=(1.0,), den=(1.0, -1.0), dt=1.0)
     >>> solve(plant, Crossover(wc=pi / 2, pm_deg=45), ki=1.0)  # theta = 0, v = 2, x = 1
     PID(kp=0.914213..., ki=1.0, kd=0.5..., filter_pole=2.0, dt=1.0)
     """
     target, tau = Target.of(plant, spec), time_constant(filter_pole, plant.dt)
+    if any_sign:
+        return _with_ki(target, ki, filter_pole)
     able = phases(target, ki, tau)
     if not target.inside(able):
         raise refusal(_name(ki), target, spec, able, _no_room(target, tau))

@@ -15,7 +15,7 @@ from math import pi
 
 from zoh import checks
 from zoh.errors import SpecError
-from zoh.lti.systems import Sampled
+from zoh.lti.systems import Plant, Sampled
 from zoh.lti.wplane import warp
 
 
@@ -36,6 +36,18 @@ class SecondOrder:
         for name in ("zeros_w0", "poles_w0", "poles_zeta"):
             checks.positive(name, getattr(self, name))
         checks.not_negative("zeros_zeta", self.zeros_zeta)
+
+    def in_s(self) -> Plant:
+        """Return the section as a continuous system.
+
+        >>> abs(SecondOrder(zeros_w0=2, zeros_zeta=0, poles_w0=2, poles_zeta=1).in_s().at(2.0))
+        0.0
+        """
+        wz, wp = float(self.zeros_w0), float(self.poles_w0)
+        return Plant(
+            num=((wp / wz) ** 2, 2 * self.zeros_zeta * wp * (wp / wz), wp * wp),
+            den=(1.0, 2 * self.poles_zeta * wp, wp * wp),
+        )
 
     def at_clock(self, dt: float) -> Sampled:
         """Return the section at this sample time; raise SpecError for w0 not below Nyquist."""

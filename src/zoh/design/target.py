@@ -38,6 +38,17 @@ class Response(Protocol):
         """Return the gain at wc in rad/s."""
 
 
+class Opposite:
+    """A plant that answers the other way round, for a law whose gains are all negative."""
+
+    def __init__(self, plant: Response) -> None:
+        self._plant, self.dt = plant, plant.dt
+
+    def at(self, wc: float, /) -> complex:
+        """Return the gain at wc in rad/s."""
+        return -self._plant.at(wc)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Target:
     """One crossover of one plant.
