@@ -23,7 +23,8 @@ def p(
 
     With pm_deg alone the fastest stable crossover is taken. Raises SpecError, Infeasible, NotMet.
 
-    >>> d = p(Plant(num=[1], den=[1, 0]), dt=1.0, pm_deg=45)
+    >>> import zoh
+    >>> d = p(zoh.Plant(num=[1], den=[1, 0]), dt=1.0, pm_deg=45)
     >>> d.gains["kp"]  # 1/(z - 1): |z - 1| = sqrt(2) at wc = pi/2
     1.414213...
     """
@@ -96,7 +97,8 @@ def pid(
     ``setpoint_weight`` b and ``derivative_weight`` c are the shares of the reference that kp and
     kd see, u = kp (b r - y) + ki/w (r - y) + kd w/(1 + w/p) (c r - y); 1 where they are left out.
 
-    >>> arm = Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
+    >>> import zoh
+    >>> arm = zoh.Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
     >>> d = pid(arm, dt=0.1, wc=1.95, pm_deg=40, ki=0.85)
     >>> round(d.margins.phase_margin_deg, 9), round(d.margins.crossover, 9)
     (40.0, 1.95)
@@ -144,7 +146,8 @@ def textbook_lag(
     result says. With pm_deg it is held to wc and to that margin, which it misses: NotMet says by
     how much. ``lag`` is the exact one.
 
-    >>> arm = Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
+    >>> import zoh
+    >>> arm = zoh.Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
     >>> d = textbook_lag(arm, dt=0.1, wc=0.5, dc_gain=10)
     >>> d.margins.crossover > 0.5
     True
@@ -164,7 +167,8 @@ def lead(
 ) -> Design:  # fmt: skip
     """Return the lead with gain dc_gain at w = 0 that crosses over at wc with pm_deg.
 
-    >>> arm = Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
+    >>> import zoh
+    >>> arm = zoh.Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
     >>> lag(arm, dt=0.1, wc=3.29, pm_deg=40, dc_gain=10)
     Traceback (most recent call last):
     zoh.errors.Infeasible: a lag ... needs +36.07 deg ... laws that can here: pd, pid, lead
@@ -188,7 +192,8 @@ def leadlag(
     ``lag_corner`` is the lag's zero in rad/s (w-plane), v/10 where it is left out; ``lag_ratio``
     its zero over its pole, where left out the one whose lead is centred at the crossover.
 
-    >>> arm = Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
+    >>> import zoh
+    >>> arm = zoh.Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
     >>> d = leadlag(arm, dt=0.1, wc=1.95, pm_deg=40, dc_gain=100)
     >>> round(d.margins.phase_margin_deg, 9), round(d.margins.crossover, 9)
     (40.0, 1.95)

@@ -1,6 +1,7 @@
 """Plant and specification in, verified controller out: sample, solve, measure, verify."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import inf
 from typing import overload
@@ -21,6 +22,7 @@ from zoh.lti.weights import WEIGHTS
 from zoh.request import (
     CANCELLED_UNSTABLE_MODES,
     LAWS,
+    UNDER_MS,
     Progress,
     allowed,
     bounded_ms,
@@ -32,6 +34,8 @@ from zoh.sampling.hold import sample
 from zoh.solving import SolvedLaw, by_gain_alone, not_as_asked, solved
 from zoh.spec import Crossover, Requirements
 from zoh.table_design import design_on_table
+
+_BELOW_THE_EDGE, _LAST = (1.0, 0.9999, 0.999), 0.99  # of the fastest crossover
 
 Known = Plant | FrequencyResponse  # a plant as a model, or as the table of its response
 Design = Verified | TableVerified  # verified on the one, or on the other
@@ -162,13 +166,28 @@ def _chosen(
         requirements=bench.requirements, reference=bench.reference, fixed=bench.fixed,
         weights=bench.weights,
     )  # fmt: skip
-    chosen = choose(judge, bench.law, parameters, progress)
-    found = design(
-        bench.plant, chosen.law, {**chosen.parameters, **bench.weights}, dt=dt,
-        compute_delay=bench.compute_delay, requirements=chosen.requirements, sections=sections,
-        reference=bench.reference, name=bench.name,
-    )  # fmt: skip
-    return replace(found, choice=chosen.choice)
+    under = {k: v for k, v in parameters.items() if k in UNDER_MS}
+    known = {k: v for k, v in parameters.items() if k not in under}
+    chosen = choose(judge, bench.law, known, progress)
+
+    def made(wc: float) -> Verified:
+        asked = {**chosen.parameters, **bench.weights, **under, "wc": wc}
+        if under:
+            del asked["ki"]
+        return design(
+            bench.plant, chosen.law, asked, dt=dt, compute_delay=bench.compute_delay,
+            requirements=chosen.requirements, sections=sections, reference=bench.reference,
+            name=bench.name,
+        )  # fmt: skip
+
+    open_keys = tuple(k for k in chosen.choice.open if k != "ki" or not under)
+    choice = replace(chosen.choice, open=open_keys)
+    if not under or "wc" in parameters:
+        return replace(made(chosen.parameters["wc"]), choice=choice)
+    for share in _BELOW_THE_EDGE:
+        with suppress(Infeasible):  # at the edge itself the ki that will do are next to none
+            return replace(made(share * chosen.parameters["wc"]), choice=choice)
+    return replace(made(_LAST * chosen.parameters["wc"]), choice=choice)
 
 
 def _free_p(bench: _Bench, parameters: Mapping[str, float], allow: frozenset[str]) -> Verified:

@@ -140,12 +140,9 @@ def check_choosable(
     law: str, name: str, parameters: Mapping[str, float], beside: Sequence[str] = ()
 ) -> None:
     """Refuse to choose where the search knows nothing of what was given."""
-    known = ("filter_pole", "ti_td", *WEIGHTS)
-    options = [name for name in OPTIONS.get(law, ()) if name not in known]
-    found = [*(k for k in options if k in parameters), *beside]
-    if found or law == "textbook_lag":
+    if beside or law == "textbook_lag":
         takes = ", ".join(LAWS.get(law, OF_AUTO))
-        bound = f"must be given for {law}" + (f" beside {found[0]}" if found else "")
+        bound = f"must be given for {law}" + (f" beside {beside[0]}" if beside else "")
         raise SpecError(name, bound, None, f"{law} takes {takes}")
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, fields, replace
 from math import degrees, inf, radians, remainder, sin, tau
 
 from zoh.analysis.results import Choice
-from zoh.certificate import backwards
+from zoh.certificate import backwards, least_turn
 from zoh.choice.fastest import Edge, Search, Trial
 from zoh.choice.judge import Judge
 from zoh.design.p import crossovers
@@ -19,7 +19,8 @@ from zoh.errors import Infeasible
 from zoh.request import AUTO, Progress
 from zoh.spec import Requirements
 
-FROM_THE_SIMPLEST = ("p", "pi", "pd", "lead", "lag", "pid")
+FROM_THE_SIMPLEST = ("p", "pi", "pd", "lead", "lag", "pid", "leadlag")
+_INTEGRATES = ("pi", "pid")
 ASSUMED = Requirements(pm_deg=45.0, ms=1.7)
 _LEAST_PEAK = 1.25  # times the least Ms that a margin allows: what is assumed where that is more
 
@@ -41,21 +42,54 @@ def choose(
     nothing = nothing_asked(judge.requirements)
     assumed = _assumed(law, given) if nothing else judge.requirements
     judge = replace(judge, requirements=assumed)
-    tried: list[tuple[str, Trial]] = []
+    told = _said(assumed) if nothing else ()
+    tried: list[_Tried] = []
     for name in FROM_THE_SIMPLEST if law == AUTO else (law,):
+        why = never_at_rest(judge, name)
+        if why:
+            tried.append(_Tried(law=name, why=why))
+            continue
         edge = _edge(judge, name, given, progress)
         if edge.best.met and edge.best.parameters is not None:
             choice = Choice(
                 open=_open(law, given, edge.best.parameters),
-                assumed=_said(assumed) if nothing else (),
+                assumed=told,
                 limits=_limits(edge),
-                tried=tuple((simpler, _nearest(best)) for simpler, best in tried),
+                tried=tuple((simpler.law, simpler.why) for simpler in tried),
             )
             return Chosen(
                 law=name, parameters=edge.best.parameters, requirements=assumed, choice=choice
             )
-        tried.append((name, edge.best))
-    raise _refusal(judge, law, given, tried, _said(assumed) if nothing else ())
+        tried.append(_Tried(law=name, why=_nearest(edge.best), best=edge.best))
+    raise _refusal(judge, law, given, tried, told)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Tried:
+    """A law that does not do, why, and where it came nearest; None where nothing was tried."""
+
+    law: str
+    why: str
+    best: Trial | None = None
+
+    @property
+    def height(self) -> float:
+        return -inf if self.best is None else self.best.judgement.height
+
+
+def never_at_rest(judge: Judge, law: str) -> str:
+    """Return why no loop of this law comes to the error at rest that is allowed; "" if one may."""
+    allowed = judge.requirements.steady_state_error
+    if allowed is None:
+        return ""
+    if judge.plant.num[-1] == 0:
+        if allowed >= abs(judge.reference):
+            return ""
+        return "the plant has no gain at rest, so no loop follows a constant reference"
+    integrates = law in _INTEGRATES or judge.plant.den[-1] == 0
+    if integrates or allowed > 0 or judge.weights:
+        return ""
+    return "an error remains at rest, for neither the law nor the plant integrates"
 
 
 def nothing_asked(asked: Requirements) -> bool:
@@ -118,16 +152,19 @@ def _nearest(best: Trial) -> str:
 
 
 def _refusal(
-    judge: Judge, law: str, given: Mapping[str, float], tried: list[tuple[str, Trial]],
+    judge: Judge, law: str, given: Mapping[str, float], tried: list[_Tried],
     assumed: tuple[str, ...],
 ) -> Infeasible:  # fmt: skip
     """Return why no crossover, or no law, meets everything."""
-    name, best = max(tried, key=lambda pair: pair[1].judgement.height)
+    last = max(tried, key=lambda one: one.height)
     where = f" at {given['wc']:.6g} rad/s" if "wc" in given else ""
     told = f" (assumed: {', '.join(assumed)})" if assumed else ""
     what = "no law" if law == AUTO else f"no {law}"
-    reason = f"{what} meets everything asked{where}{told}; of a {name}, {_nearest(best)}"
-    pm_deg = (best.parameters or given).get("pm_deg", judge.requirements.pm_deg or 45.0)
-    turn = radians(pm_deg - 180) - phase(judge.sampled.at(best.wc))
+    reason = f"{what} meets everything asked{where}{told}; of a {last.law}, {last.why}"
+    if last.best is None:
+        pm_deg = given.get("pm_deg", judge.requirements.pm_deg or 45.0)
+        return Infeasible(reason, needed_deg=least_turn(judge.sampled, pm_deg))
+    pm_deg = (last.best.parameters or given).get("pm_deg", judge.requirements.pm_deg or 45.0)
+    turn = radians(pm_deg - 180) - phase(judge.sampled.at(last.best.wc))
     refusal = Infeasible(reason, needed_deg=degrees(remainder(turn, tau)))
     return refusal.because(backwards(judge.sampled))
