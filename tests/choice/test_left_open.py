@@ -3,6 +3,7 @@
 import pytest
 
 import zoh
+from zoh.choice.choose import FROM_THE_SIMPLEST
 
 ARM = zoh.Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
 ASKED = zoh.Requirements(pm_deg=50, ms=1.6)
@@ -92,10 +93,18 @@ def test_a_choice_counts_with_what_stands_in_series():
 
 
 def test_auto_comes_to_a_lead_lag_last():
-    # no law comes so near to this: the lead-lag is tried, and said to be
-    hard = zoh.Requirements(pm_deg=50, bandwidth=40.0)
-    said = []
+    # a plant without a gain at rest lets no law through, and all of them are named in their order
     with pytest.raises(zoh.Infeasible, match="no law meets everything"):
-        zoh.design(ARM, "auto", {}, dt=0.1, requirements=hard, progress=said.append)
-    laws = [s.partition(":")[0] for s in said]
-    assert list(dict.fromkeys(laws)) == ["p", "pi", "pd", "lead", "lag", "pid", "leadlag"]
+        zoh.design(zoh.Plant.parse("s/(s+1)"), "auto", {}, dt=0.1)
+    assert FROM_THE_SIMPLEST == ("p", "pi", "pd", "lead", "lag", "pid", "leadlag")
+
+
+def test_a_margin_that_alone_makes_the_peak_too_high_is_not_searched():
+    said = []
+    # |1 + L| is 2 sin(pm/2) at the crossover: 1/(2 sin 20 deg) = 1.4619
+    with pytest.raises(zoh.Infeasible, match=r"ms must be at most 1\.4, .* alone makes it 1\.4619"):
+        zoh.design(
+            ARM, "auto", {"pm_deg": 40.0}, dt=0.1, requirements=zoh.Requirements(ms=1.4),
+            progress=said.append,
+        )  # fmt: skip
+    assert said == []

@@ -8,11 +8,11 @@ and the first that can meet everything is taken.
 from cmath import phase
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from math import degrees, inf, radians, remainder, sin, tau
+from math import degrees, inf, radians, remainder, tau
 
 from zoh.analysis.results import Choice
 from zoh.certificate import backwards, least_turn
-from zoh.choice.fastest import Edge, Search, Trial
+from zoh.choice.fastest import Edge, Search, Trial, least_ms
 from zoh.choice.judge import Judge
 from zoh.design.p import crossovers
 from zoh.errors import Infeasible
@@ -45,7 +45,7 @@ def choose(
     told = _said(assumed) if nothing else ()
     tried: list[_Tried] = []
     for name in FROM_THE_SIMPLEST if law == AUTO else (law,):
-        why = never_at_rest(judge, name)
+        why = peaks_by_itself(judge, given) or never_at_rest(judge, name)
         if why:
             tried.append(_Tried(law=name, why=why))
             continue
@@ -75,6 +75,18 @@ class _Tried:
     @property
     def height(self) -> float:
         return -inf if self.best is None else self.best.judgement.height
+
+
+def peaks_by_itself(judge: Judge, given: Mapping[str, float]) -> str:
+    """Return why no loop of the margin given is under the peak allowed; "" if one may be."""
+    most = judge.requirements.ms
+    if most is None or "pm_deg" not in given:
+        return ""
+    least = least_ms(given["pm_deg"])
+    if least <= most * (1 + 1e-9):  # what misses by rounding alone is met
+        return ""
+    margin = f"a margin of {given['pm_deg']:g} deg"
+    return f"ms must be at most {most:g}, and {margin} alone makes it {least:.5g}"
 
 
 def never_at_rest(judge: Judge, law: str) -> str:
@@ -118,8 +130,8 @@ def _assumed(law: str, given: Mapping[str, float]) -> Requirements:
     """Return what is asked of a loop of which nothing is asked."""
     asked = ASSUMED
     if "pm_deg" in given:
-        least = 1 / (2 * sin(radians(given["pm_deg"]) / 2))  # |1 + L| at the crossover
-        asked = Requirements(ms=max(ASSUMED.ms or 0.0, _LEAST_PEAK * least))
+        least = _LEAST_PEAK * least_ms(given["pm_deg"])
+        asked = Requirements(ms=max(ASSUMED.ms or 0.0, least))
     return replace(asked, steady_state_error=0.0) if law == AUTO else asked
 
 

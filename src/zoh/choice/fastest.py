@@ -10,7 +10,7 @@ What can be met between two crossovers tried, and at neither, is not seen.
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from math import inf, pi
+from math import asin, degrees, inf, pi, radians, sin
 
 import numpy as np
 
@@ -34,6 +34,7 @@ _HILLS = 4  # that are climbed
 _NEAR = (0.02, 0.1, 0.004)  # the simplex's sizes where a point near the highest is known
 _PUSHES = (0.01, 0.002, 0.0005)  # of wc, by which a crossover found is tried to be passed
 _BELOW = 100.0  # times below the plant's slowest corner nothing new happens
+_ROUNDING_DEG = 1e-6  # below the least margin that a peak allows, so that rounding leaves it in
 _NYQUIST = 0.999  # of pi/dt is the fastest that is tried
 _NOWHERE = Judgement(
     slack=-5.0, failed="the law cannot give the margin asked with no zero slower than wc/10"
@@ -103,7 +104,9 @@ class Search:
 
         seed    a point near which to look first;  seeded  only there, but thoroughly
         """
-        least = self.judge.requirements.pm_deg or 0.0
+        ms = self.judge.requirements.ms
+        of_peak = 0.0 if ms is None else degrees(2 * asin(min(1.0, 1 / (2 * ms)))) - _ROUNDING_DEG
+        least = max(self.judge.requirements.pm_deg or 0.0, of_peak)
         freedom = Freedom.of(self.law, self.judge.sampled, wc, self.fixed, least)
         if freedom is None:
             return Trial(wc=wc)
@@ -178,6 +181,15 @@ class Search:
                 edge = Edge(best=edge.best, above=here)
                 del pushes[0]
         return edge
+
+
+def least_ms(pm_deg: float) -> float:
+    """Return the least Ms of a margin: |1 + L| is 2 sin(pm/2) at the crossover.
+
+    >>> round(least_ms(60.0), 12)
+    1.0
+    """
+    return 1 / (2 * sin(radians(pm_deg) / 2))
 
 
 def coordinates(law: str, fixed: Mapping[str, float]) -> int:
