@@ -15,7 +15,7 @@ from zoh.analysis.loop import Loop
 from zoh.analysis.results import Choice, Margins, StepInfo
 from zoh.analysis.stability import closed_loop_stable
 from zoh.errors import NotMet
-from zoh.lti.forms import forms, sentences
+from zoh.lti.forms import forms, ringing, sentences
 from zoh.lti.systems import Plant, Sampled
 from zoh.lti.weights import feedforward, fits, reference_path
 from zoh.lti.written import fraction, number
@@ -142,7 +142,8 @@ class Measured:
         if self.choice is not None:
             lines += [f"  {sentence}" for sentence in self.choice.sentences]
         lines += [f"  allowed: {word}" for word in self.allowed]
-        lines += [f"  NOTE: {warning}" for warning in m.warnings]
+        notes = (*ringing(self.gains, self.dt), *m.warnings)
+        lines += [f"  NOTE: {note}" for note in notes]
         lines += [f"  MISSED: {miss}" for miss in self.misses]
         return "\n".join(lines)
 

@@ -11,6 +11,7 @@ from zoh.app.claims import Finding, check
 from zoh.app.project import GIVEN, Given, Project, Request
 from zoh.app.toml import within
 from zoh.errors import Infeasible, NotMet, SpecError
+from zoh.lti.forms import ringing
 from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.hidden import unstable_hidden
 from zoh.pipeline import design
@@ -206,7 +207,10 @@ def warnings(project: Project, entries: Sequence[Entry]) -> tuple[str, ...]:
     for entry in entries:
         if entry.measured is None:
             continue
-        said += [f"{entry.name}: {sentence}" for sentence in entry.measured.margins.warnings]
+        notes = (
+            *ringing(entry.measured.gains, project.dt), *entry.measured.margins.warnings,
+        )  # fmt: skip
+        said += [f"{entry.name}: {sentence}" for sentence in notes]
         step = entry.measured.step
         if step is not None and step.effort_range is not None:
             said += _saturation(project, entry.name, step.effort_range)

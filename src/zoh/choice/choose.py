@@ -54,7 +54,7 @@ def choose(
             choice = Choice(
                 open=_open(law, given, edge.best.parameters),
                 assumed=told,
-                limits=_limits(edge),
+                limits=_limits(edge) if edge.above or "wc" in given else _at_the_end(edge),
                 tried=tuple((simpler.law, simpler.why) for simpler in tried),
             )
             return Chosen(
@@ -155,6 +155,13 @@ def _limits(edge: Edge) -> tuple[str, ...]:
     if missed:
         return tuple(f"{at} {sentence}" for sentence in missed)
     return (f"{at} {above.judgement.failed}",)
+
+
+def _at_the_end(edge: Edge) -> tuple[str, ...]:
+    """Return that nothing stands against a faster crossover, where the first one tried is met."""
+    if not edge.is_first:
+        return ()
+    return ("nothing limits it below the Nyquist frequency: it is the fastest that is tried",)
 
 
 def _nearest(best: Trial) -> str:

@@ -12,14 +12,11 @@ from contextlib import suppress
 from dataclasses import dataclass
 from math import asin, degrees, inf, pi, radians, sin
 
-import numpy as np
-
 from zoh.choice.climb import Height, HighEnough, Point, climb, grid, tops
 from zoh.choice.freedom import Freedom, second_is_open
 from zoh.choice.judge import Judge, Judgement
 from zoh.choice.sieve import Sieve
 from zoh.errors import Infeasible, SpecError
-from zoh.lti import poly
 from zoh.lti.systems import Sampled
 from zoh.request import Progress
 from zoh.solving import solved
@@ -60,11 +57,12 @@ class Trial:
 class Edge:
     """The fastest trial that is met and the next one above it, None where it is the first one.
 
-    Where none is met, ``best`` is the one that comes nearest.
+    Where none is met, ``best`` is the one that comes nearest. ``is_first``: no faster one is tried.
     """
 
     best: Trial
     above: Trial | None
+    is_first: bool = False
 
 
 class Search:
@@ -88,7 +86,11 @@ class Search:
                 self.progress(f"{self.law}: is everything met at {wc:.4g} rad/s?")
             here = self.at(wc)
             if here.met:
-                return self._closed_in(here, above)
+                return (
+                    self._closed_in(here, above)
+                    if above
+                    else Edge(best=here, above=None, is_first=True)
+                )
             if nearest is None or here.judgement.height > nearest.judgement.height:
                 nearest = here
             above = here
@@ -160,9 +162,9 @@ class Search:
                 bounds[i] = bound
         return bounds
 
-    def _closed_in(self, good: Trial, bad: Trial | None) -> Edge:
+    def _closed_in(self, good: Trial, bad: Trial) -> Edge:
         """Return the edge between a crossover that is met and one above it that is not."""
-        while bad is not None and bad.wc > good.wc * (1 + EDGE):
+        while bad.wc > good.wc * (1 + EDGE):
             here = self.at((good.wc * bad.wc) ** 0.5, good.point)
             if here.met:
                 good = here
@@ -200,5 +202,4 @@ def coordinates(law: str, fixed: Mapping[str, float]) -> int:
 def _ends(sampled: Sampled) -> tuple[float, float]:
     """Return the fastest and the slowest crossover to be tried in rad/s."""
     top = _NYQUIST * pi / sampled.dt
-    corners = np.abs(np.concatenate([poly.roots(sampled.num_w), poly.roots(sampled.den_w)]))
-    return top, float(min(corners[corners > 0], default=top / _BELOW)) / _BELOW
+    return top, min([top, *sampled.corners().tolist()]) / _BELOW

@@ -66,8 +66,9 @@ class SecondOrder:
 def notch(*, w0: float, depth: float = 0.1, width: float = 1.0) -> SecondOrder:
     """Return the notch of gain ``depth`` at w0 rad/s, ``width`` times w0 wide, 1 elsewhere.
 
-    The width is that of its poles, 2 zp; depth 0 silences w0. Raises SpecError unless
-    0 <= depth < 1 and width > 0.
+    The width is that of its poles, 2 zp, in the w-plane: in real frequencies it is narrower by
+    sin(w0 dt)/(w0 dt), next to nothing well below Nyquist's. Depth 0 silences w0. Raises
+    SpecError unless 0 <= depth < 1 and width > 0.
 
     >>> abs(notch(w0=2.0, depth=0.1).at_clock(0.5).at(2.0))
     0.1...
