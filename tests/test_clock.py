@@ -153,3 +153,22 @@ def test_both_roads_to_a_verdict_agree():
     assert [r.failure for r in short.rows] == [r.failure for r in long.rows]
     assert [r.bits for r in short.rows] == [r.bits for r in long.rows]
     assert short.largest == long.largest
+
+
+def test_the_longest_that_was_tried_is_said_to_be_no_more():
+    found = zoh.sample_times(ARM, "pid", PID, dts=[0.001, 0.01])
+    assert (found.largest, found.limited_by) == (0.01, None)
+
+
+def test_the_step_counts_with_its_reference_and_sections_with_the_loop():
+    asked = zoh.Requirements(peak_effort=200.0)
+    small, large = (
+        zoh.sample_times(ARM, "pid", PID, dts=[0.05, 0.1], requirements=asked, reference=size)
+        for size in (1.0, 10.0)
+    )
+    assert small.rows[1].failure is None
+    assert "peak_effort must be at most 200" in large.rows[1].failure
+    notch = zoh.notch(w0=50.0)
+    rows = zoh.sample_times(ARM, "pid", PID, dts=[0.01, 0.1], sections=[notch]).rows
+    assert rows[0].pm_deg == pytest.approx(40, abs=1e-9)
+    assert "must be below the Nyquist frequency" in rows[1].failure  # 31.4 rad/s

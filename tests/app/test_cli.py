@@ -427,3 +427,10 @@ def test_json_needs_neither_rich_nor_matplotlib():
         timeout=120,
     )
     assert (done.returncode, done.stderr) == (0, b"")
+
+
+def test_the_package_itself_runs_as_a_module():
+    found = subprocess.run(
+        [sys.executable, "-m", "zoh", "--version"], capture_output=True, text=True, check=True
+    )
+    assert zoh.__version__ in found.stdout
