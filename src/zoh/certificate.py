@@ -92,7 +92,10 @@ def advised(
             has, refused, _SEARCHED_STEP_DEG if searched else _STEP_DEG, 180.0 if allow else None
         ),
         nearest_wc=nearest(
-            lambda wc: works(law, Crossover(wc=wc, pm_deg=spec.pm_deg)), spec.wc, sampled.dt
+            lambda wc: works(law, Crossover(wc=wc, pm_deg=spec.pm_deg)),
+            spec.wc,
+            sampled.dt,
+            sampled.delay if isinstance(sampled, Sampled) else 0,
         ),
         laws_that_can=tuple(name for name in LAWS if name != law and works(name, spec)),
     )
