@@ -26,7 +26,7 @@ from zoh.spec import Crossover
 _CANCELLED = 1e-13  # of its terms: what is left of a polynomial at its own root, in floats
 
 _STEP, _TURN = 0.03, 0.02  # of a frequency, and rad a sample: between two that are tried
-_LEAST = 1e-3  # of wc: the slowest that is tried
+_LEAST = 8e-4  # of wc: the slowest that is tried
 
 Phases = tuple[float, float] | None  # an open interval in rad, None where a law can give nothing
 
