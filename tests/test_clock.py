@@ -1,6 +1,7 @@
 """What a sample time costs: the hold's degrees by hand, the edge by a road of its own, the bits."""
 
 from fractions import Fraction
+from itertools import product
 from math import degrees, pi, sqrt
 
 import numpy as np
@@ -86,19 +87,20 @@ def test_rounding_to_words_is_what_fractions_say():
 
 
 @pytest.mark.parametrize("dt", [0.005, 0.03, 0.1])
-def test_the_bits_are_enough_and_one_less_is_not(dt):
+def test_the_bits_are_enough_wherever_the_coefficients_lie(dt):
     d = zoh.pid(ARM, dt=dt, **PID)
     bits = word_length(d.sampled, d.controller, d.margins, 0.1)
-    sure = sure_bits(d.sampled, d.controller, d.margins, 0.1)
-    assert bits <= sure
+    assert bits >= sure_bits(d.sampled, d.controller, d.margins, 0.1)
+    half = 2.0 ** (np.frexp(max(map(abs, d.controller.num)))[1] - bits)  # half a quantum of num
 
-    def moved(b):
-        law = rounded(d.controller, b)
-        m = measure_loop(Loop.of(law, d.sampled))
-        return abs(m.phase_margin_deg - 40) if m.stable else np.inf
+    def moved(signs):  # every coefficient of num as far off its place as rounding can put it
+        num = [c + sign * half for c, sign in zip(d.controller.num, signs, strict=True)]
+        law = zoh.Sampled(num=num, den=d.controller.den, dt=dt)
+        return abs(measure_loop(Loop.of(law, d.sampled)).phase_margin_deg - 40)
 
-    assert all(moved(b) < 0.1 for b in range(bits, sure + 8))
-    assert moved(bits - 1) >= 0.1
+    assert max(moved(signs) for signs in product((-1, 1), repeat=3)) < 0.1
+    law = rounded(d.controller, bits)
+    assert abs(measure_loop(Loop.of(law, d.sampled)).phase_margin_deg - 40) < 0.1
 
 
 def test_the_bound_is_the_sum_of_all_first_order_moves():
@@ -151,3 +153,22 @@ def test_both_roads_to_a_verdict_agree():
     assert [r.failure for r in short.rows] == [r.failure for r in long.rows]
     assert [r.bits for r in short.rows] == [r.bits for r in long.rows]
     assert short.largest == long.largest
+
+
+def test_the_longest_that_was_tried_is_said_to_be_no_more():
+    found = zoh.sample_times(ARM, "pid", PID, dts=[0.001, 0.01])
+    assert (found.largest, found.limited_by) == (0.01, None)
+
+
+def test_the_step_counts_with_its_reference_and_sections_with_the_loop():
+    asked = zoh.Requirements(peak_effort=200.0)
+    small, large = (
+        zoh.sample_times(ARM, "pid", PID, dts=[0.05, 0.1], requirements=asked, reference=size)
+        for size in (1.0, 10.0)
+    )
+    assert small.rows[1].failure is None
+    assert "peak_effort must be at most 200" in large.rows[1].failure
+    notch = zoh.notch(w0=50.0)
+    rows = zoh.sample_times(ARM, "pid", PID, dts=[0.01, 0.1], sections=[notch]).rows
+    assert rows[0].pm_deg == pytest.approx(40, abs=1e-9)
+    assert "must be below the Nyquist frequency" in rows[1].failure  # 31.4 rad/s

@@ -112,3 +112,43 @@ def test_a_table_has_no_form_in_s():
     table = zoh.FrequencyResponse.from_complex(w=[1.0, 2.0, 3.0], gain=[1, 0.5, 0.3])
     with pytest.raises(zoh.SpecError, match=r"plant must be a zoh\.Plant"):
         zoh.emulate(table, "pi", ASKED, dt=0.1)
+
+
+def test_sections_are_carried_over_with_the_law():
+    # by Tustin s is w: where w is j wc the controller is what it was at s = j wc, sections included
+    plant, notch = zoh.Plant(num=[1], den=[1, 1, 0]), zoh.notch(w0=6.0, depth=0.2)
+    asked, dt = {"wc": 1.0, "pm_deg": 50.0}, 0.1
+    rows = zoh.emulate(plant, "pd", asked, dt=dt, sections=[notch])
+    assert rows[0].margins.phase_margin_deg == pytest.approx(50.0, abs=1e-9)
+    (tustin,) = [r for r in rows if (r.designed, r.method) == ("in s, plant alone", "tustin")]
+    loop = tustin.controller.at(2 / dt * float(np.arctan(1.0 * dt / 2))) * plant.at(1.0)
+    assert loop == pytest.approx(-np.exp(1j * np.radians(50.0)), abs=1e-12)
+    # the section in s: its zeros' damping is depth width/2, its poles' width/2, at w0
+    s = 1j
+    by_hand = (s * s + 2 * 0.1 * 6 * s + 36) / (s * s + 2 * 0.5 * 6 * s + 36)
+    assert notch.in_s().at(1.0) == pytest.approx(by_hand, rel=1e-14)
+    plain = zoh.emulate(plant, "pd", asked, dt=dt)[1]
+    assert len(tustin.controller.den) == len(plain.controller.den) + 2
+
+
+@pytest.mark.parametrize(
+    ("given", "line"),
+    [
+        (None, "given must name the law's parameters, got None"),
+        ({"wc": 1.0, "pm_deg": 50, "ki": -1.0}, "ki must be above 0, got -1.0"),
+        ({"wc": 1.0, "pm_deg": 50, "ki": 1.0, "tau": 3}, "tau is no parameter of pid"),
+        ({"wc": 1.0, "pm_deg": 50, "largest_ki_ms": 1e308}, "largest_ki_ms must be at most 1e"),
+        ({"wc": "1", "pm_deg": 50, "ki": 1.0}, "wc must be a real number"),
+    ],
+)
+def test_what_no_design_function_takes_is_refused_in_the_same_words(given, line):
+    plant = zoh.Plant(num=[1], den=[1, 1, 0])
+    calls = (
+        lambda: zoh.design(plant, "pid", given, dt=0.1),
+        lambda: zoh.emulate(plant, "pid", given, dt=0.1),
+        lambda: zoh.sample_times(plant, "pid", given, dts=[0.1, 0.2]),
+    )
+    for call in calls:
+        with pytest.raises(zoh.SpecError) as refused:
+            call()
+        assert str(refused.value).startswith(line)

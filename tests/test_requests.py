@@ -15,3 +15,17 @@ def test_random_requests_are_met_or_rightly_refused(law):
     assert [v for v in verdicts if v.startswith("WRONG")] == []
     assert verdicts.count("met") >= 1
     assert verdicts.count("infeasible") >= 1
+
+
+@pytest.mark.filterwarnings("ignore::zoh.AccuracyWarning")  # as above
+@pytest.mark.parametrize(
+    ("law", "seed"),
+    [
+        ("pd", 11149),  # what works is 1.6 % wide, just below Nyquist's frequency
+        ("leadlag", 5036),  # these three need more than the lag's own turn
+        ("leadlag", 5038),
+        ("leadlag", 5043),
+    ],
+)
+def test_hard_refusals_are_right(law, seed):
+    assert judge(drawn(law, seed)) == "infeasible"

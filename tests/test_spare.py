@@ -169,3 +169,14 @@ def test_the_forms_travel_with_the_design():
     assert "standard form: kp = " in d.report()
     assert "series form: k = " in d.report()
     assert zoh.lead(ARM, dt=0.1, wc=2.0, pm_deg=40, dc_gain=10).forms == {}
+
+
+def test_the_best_margin_of_a_refusal_under_a_bound_is_had():
+    # loops that take half a million samples to come to rest are among what it offers
+    plant, request = zoh.Plant.parse("(s+2)/(s+1)"), {"dt": 0.001, "wc": 0.397987}
+    with pytest.raises(zoh.Infeasible) as refused:
+        zoh.pid(plant, pm_deg=20, least_iae_ms=2.03588, **request)
+    best = refused.value.best_pm_deg - 1e-6  # the end itself is only approached
+    d = zoh.pid(plant, pm_deg=best, least_iae_ms=2.03588, **request)
+    assert d.margins.ms <= 2.03588
+    assert d.margins.phase_margin_deg == pytest.approx(best, abs=1e-9)

@@ -62,7 +62,7 @@ TESTS |= {
     "analysis/margin_crossings": _named("margins"),
     "analysis/discs": _named("discs", "proof"),
     "analysis/proof": _named("proof", "discs"),
-    "analysis/evidence": _named("proof", "results"),
+    "analysis/certificates": _named("proof", "results"),
     "analysis/motion": _named("motion", "step", "filling"),
     "analysis/filling": _named("filling", "step"),
     "analysis/budget": _named("budget"),

@@ -109,7 +109,7 @@ def _sections(law, given, wanted, w):
             s, t = first
             yield [a0 * s, a0], [t, 1.0]
         return
-    zero = 10 / v
+    zero = 1 / given.get("lag_corner", v / 10)
     ratios = [given["lag_ratio"]] if "lag_ratio" in given else _centred(wanted / a0, w, zero)
     for r in ratios:
         rest = _section(wanted / a0 / ((1 + w * zero) / (1 + w * zero * r)), w)

@@ -46,6 +46,8 @@ def drawn(law: str, seed: int) -> Request:
         parameters["dc_gain"] = exp(random.uniform(log(0.05), log(20))) / abs(g)
     if law == "leadlag" and random.random() < 0.5:
         parameters["lag_ratio"] = exp(random.uniform(log(1.2), log(30)))
+    if law == "leadlag" and random.random() < 0.3:
+        parameters["lag_corner"] = wc * exp(random.uniform(log(0.02), log(2)))
     return Request(plant=plant, sampled=sampled, law=law, parameters=parameters)
 
 

@@ -14,9 +14,9 @@ import zoh.design as _laws  # before the function of the same name below, which 
 
 if TYPE_CHECKING:
     from zoh.analysis.budget import Budget, budget
+    from zoh.analysis.certificates import Certificate, Proof
     from zoh.analysis.closed import EXCITATIONS
     from zoh.analysis.curves import Trace, trace
-    from zoh.analysis.evidence import Certificate, Proof
     from zoh.analysis.margins import margins
     from zoh.analysis.responses import Response, noise_gains, response, response_trace
     from zoh.analysis.results import Margins, StepInfo
@@ -29,16 +29,17 @@ if TYPE_CHECKING:
         verify_table,
     )
     from zoh.analysis.verify import Measured, Verified, measure, verify
-    from zoh.certificate import LAWS, OPTIONS
     from zoh.choice.map import Map, law_map
     from zoh.clock import SampleTime, SampleTimes, sample_times
     from zoh.design.sections import SecondOrder, notch
     from zoh.emulation import Emulated, emulate
     from zoh.errors import AccuracyWarning, Infeasible, NotMet, SpecError, ZohError
+    from zoh.laws import lag, lead, leadlag, p, pd, pi, pid, textbook_lag
     from zoh.lti.coherence import random_error
     from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
     from zoh.lti.systems import Plant, Sampled
-    from zoh.pipeline import design, lag, lead, leadlag, p, pd, pi, pid, textbook_lag
+    from zoh.pipeline import design
+    from zoh.request import ALLOWABLE, LAWS, OPTIONS
     from zoh.sampling.convert import METHODS, discretise, undiscretise
     from zoh.sampling.hold import sample
     from zoh.spec import Crossover, Requirements
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
+    "ALLOWABLE",
     "EXCITATIONS",
     "LAWS",
     "METHODS",
@@ -116,7 +118,7 @@ _HOMES = {
     "zoh.analysis.margins": ("margins",),
     "zoh.analysis.responses": ("Response", "noise_gains", "response", "response_trace"),
     "zoh.analysis.curves": ("Trace", "trace"),
-    "zoh.analysis.evidence": ("Certificate", "Proof"),
+    "zoh.analysis.certificates": ("Certificate", "Proof"),
     "zoh.analysis.results": ("Margins", "StepInfo"),
     "zoh.analysis.step": ("step_info",),
     "zoh.analysis.tabled.results": ("TableMargins",),
@@ -127,7 +129,7 @@ _HOMES = {
         "verify_table",
     ),
     "zoh.analysis.verify": ("Measured", "Verified", "measure", "verify"),
-    "zoh.certificate": ("LAWS", "OPTIONS"),
+    "zoh.request": ("ALLOWABLE", "LAWS", "OPTIONS"),
     "zoh.design.sections": ("SecondOrder", "notch"),
     "zoh.choice.map": ("Map", "law_map"),
     "zoh.clock": ("SampleTime", "SampleTimes", "sample_times"),
@@ -136,7 +138,8 @@ _HOMES = {
     "zoh.lti.coherence": ("random_error",),
     "zoh.lti.frequency_response": ("FrequencyResponse", "TabledLoop"),
     "zoh.lti.systems": ("Plant", "Sampled"),
-    "zoh.pipeline": ("design", "lag", "lead", "leadlag", "p", "pd", "pi", "pid", "textbook_lag"),
+    "zoh.laws": ("lag", "lead", "leadlag", "p", "pd", "pi", "pid", "textbook_lag"),
+    "zoh.pipeline": ("design",),
     "zoh.sampling.convert": ("METHODS", "discretise", "undiscretise"),
     "zoh.sampling.hold": ("sample",),
     "zoh.spec": ("Crossover", "Requirements"),
@@ -147,8 +150,10 @@ _ROOMS = (
     "checks",
     "emulation",
     "errors",
+    "laws",
     "lti",
     "pipeline",
+    "request",
     "sampling",
     "spec",
 )

@@ -21,11 +21,13 @@ from zoh.analysis.margins import measure_loop
 from zoh.analysis.results import Margins, jsonable
 from zoh.analysis.verify import NOTHING_ASKED
 from zoh.analysis.word_length import word_length
-from zoh.certificate import LAWS, not_as_asked, solved
+from zoh.design.sections import SecondOrder, in_series
 from zoh.errors import Infeasible, NotMet, SpecError
 from zoh.lti.systems import Plant, Sampled
 from zoh.pipeline import design
+from zoh.request import LAWS, checked
 from zoh.sampling.hold import sample
+from zoh.solving import not_as_asked, solved
 from zoh.spec import Crossover, Requirements
 
 Seen = tuple[Sampled, Sampled, Margins]  # plant, controller, and what their loop has
@@ -34,6 +36,7 @@ Try = Callable[[float], tuple[Seen | None, str | None]]  # a dt: what came of it
 TOLERANCE_DEG = 0.1  # by how much rounding the coefficients may move the phase margin
 _LONGEST, _SHORTEST = 0.99, 1e-3  # of pi/wc, where the crossover is at Nyquist's frequency
 _POINTS = 31  # ten for a factor of 10
+_OF_THE_CLOCK = ("dt", "zeros_w0", "poles_w0")  # what is wrong at one sample time and not at others
 _HALVINGS = 30  # of the interval around the edge: 1e-9 of the distance between two points
 
 
@@ -46,8 +49,8 @@ class SampleTime:
     delay_deg  deg, what the compute delay turns at wc
     pm_deg     deg, measured; None where the law has no solution
     ms         as measured; None likewise
-    bits       for coefficients that move the margin by less than 0.1 deg; None where the loop
-               is unstable, or 53 do not do
+    bits       with which no rounding of the coefficients moves the margin by 0.1 deg; None where
+               the loop is unstable, or 53 do not do
     failure    why the requirements are not met; None where they are
     """
 
@@ -70,7 +73,8 @@ class SampleTimes:
 
     rows        the shortest dt first
     largest     s, the largest dt that meets the requirements; None where none of the grid does
-    limited_by  what fails just beyond it; None where the longest dt of the grid holds
+    limited_by  what fails just beyond it; None where the longest dt tried holds: ``largest`` is
+                then only the longest that was tried
     gaps        s, shorter sample times of the grid that do not meet them
     fineness    the ratio of neighbours in the grid; an island narrower than it is not seen
     """
@@ -96,10 +100,12 @@ def sample_times(
     plant: Plant, law: str, given: Mapping[str, float], *,
     requirements: Requirements = NOTHING_ASKED, compute_delay: float = 0.0,
     delay_samples: float = 0.0, dts: Sequence[float] | None = None,
+    sections: Sequence[SecondOrder] = (), reference: float = 1.0,
 ) -> SampleTimes:  # fmt: skip
     """Return what each sample time costs, and the largest that meets the requirements.
 
     law, given     as for ``zoh.design``; wc in rad/s must be among them
+    sections, reference  likewise
     compute_delay  s, the same at every dt; delay_samples  dt, in samples, added to it
     dts            s, at least two; None looks at 31 from pi/wc/1000 to just below pi/wc
 
@@ -115,13 +121,19 @@ def sample_times(
     """
     if not isinstance(plant, Plant):
         raise SpecError("plant", "must be a zoh.Plant", plant, "a table was taken at one dt")
-    wc = checks.positive("wc", given.get("wc"), "give the crossover in rad/s")
+    known = checked(law, given)
+    wc = checks.positive("wc", known.get("wc"), "give the crossover in rad/s")
     wait = checks.not_negative("compute_delay", compute_delay, "give seconds, 0 or more")
     samples = checks.not_negative("delay_samples", delay_samples, "give samples, 0 or more")
     grid = _grid(dts, wc)
 
+    asked = _Asked(
+        plant=plant, law=law, given=known, requirements=requirements, sections=sections,
+        reference=reference,
+    )  # fmt: skip
+
     def tried(dt: float) -> tuple[Seen | None, str | None]:
-        return _tried(plant, law, given, dt, wait + samples * dt, requirements)
+        return asked.tried(dt, wait + samples * dt)
 
     rows = [_row(dt, wc, wait + samples * dt, *tried(dt)) for dt in grid]
     last = max((i for i, row in enumerate(rows) if row.failure is None), default=-1)
@@ -157,42 +169,54 @@ def _grid(dts: Sequence[float] | None, wc: float) -> list[float]:
     return grid
 
 
-def _tried(
-    plant: Plant, law: str, given: Mapping[str, float], dt: float, delay: float,
-    requirements: Requirements,
-) -> tuple[Seen | None, str | None]:  # fmt: skip
-    """Return what was measured, where there is a controller, and why it does not do."""
-    if not given["wc"] * dt < pi:
-        return None, "wc is not below the Nyquist frequency pi/dt"
-    whole = all(given.get(name) is not None for name in (*LAWS.get(law, ("law",)), "pm_deg"))
-    try:
-        if whole and all(getattr(requirements, name) is None for name in OF_TIME):
-            return _by_margins(sample(plant, dt, delay), law, given, requirements)
-        d = design(plant, law, given, dt=dt, compute_delay=delay, requirements=requirements)
-    except NotMet as short:
-        d, failure = short.measured, "; ".join(short.misses)
-        return (d.sampled, d.controller, d.margins), failure
-    except Infeasible as refused:
-        return None, refused.reason
-    except SpecError as refused:
-        if refused.argument != "dt":  # this clock is the trouble, not the request
-            raise
-        return None, str(refused)
-    return (d.sampled, d.controller, d.margins), None
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Asked:
+    """The request that is made at every sample time."""
 
+    plant: Plant
+    law: str
+    given: Mapping[str, float]
+    requirements: Requirements
+    sections: Sequence[SecondOrder]
+    reference: float
 
-def _by_margins(
-    sampled: Sampled, law: str, given: Mapping[str, float], requirements: Requirements
-) -> tuple[Seen, str | None]:
-    """Return what ``design`` would measure and say, but for the step, which nobody asks about.
+    def tried(self, dt: float, delay: float) -> tuple[Seen | None, str | None]:
+        """Return what was measured, where there is a controller, and why it does not do."""
+        given, requirements = self.given, self.requirements
+        if not given["wc"] * dt < pi:
+            return None, "wc is not below the Nyquist frequency pi/dt"
+        whole = all(name in given for name in (*LAWS.get(self.law, ("law",)), "pm_deg"))
+        try:
+            if whole and all(getattr(requirements, name) is None for name in OF_TIME):
+                return self._by_margins(dt, delay)
+            d = design(
+                self.plant, self.law, given, dt=dt, compute_delay=delay, sections=self.sections,
+                requirements=requirements, reference=self.reference,
+            )  # fmt: skip
+        except NotMet as short:
+            d, failure = short.measured, "; ".join(short.misses)
+            return (d.sampled, d.controller, d.margins), failure
+        except Infeasible as refused:
+            return None, refused.reason
+        except SpecError as refused:
+            if refused.argument not in _OF_THE_CLOCK:  # the request is the trouble
+                raise
+            return None, str(refused)
+        return (d.sampled, d.controller, d.margins), None
 
-    Near the edge of what a law can do its poles come near z = -1, and their ringing is long.
-    """
-    spec = Crossover(wc=given["wc"], pm_deg=given["pm_deg"])
-    controller = solved(law, sampled, spec, given).controller
-    m = measure_loop(Loop.of(controller, sampled))
-    misses = [*missed(requirements, m, None), *not_as_asked(m, spec)]
-    return (sampled, controller, m), "; ".join(misses) or None
+    def _by_margins(self, dt: float, delay: float) -> tuple[Seen, str | None]:
+        """Return what ``design`` would measure and say, but for the step, which nobody asks about.
+
+        Near the edge of what a law can do its poles come near z = -1, and their ringing is long.
+        """
+        spec = Crossover(wc=self.given["wc"], pm_deg=self.given["pm_deg"])
+        fixed, sampled = in_series(self.sections, dt), sample(self.plant, dt, delay)
+        behind = fixed * sampled if fixed else sampled
+        controller = solved(self.law, behind, spec, self.given).controller
+        controller = controller * fixed if fixed else controller
+        m = measure_loop(Loop.of(controller, sampled))
+        misses = [*missed(self.requirements, m, None), *not_as_asked(m, spec)]
+        return (sampled, controller, m), "; ".join(misses) or None
 
 
 def _row(dt: float, wc: float, delay: float, found: Seen | None, failure: str | None) -> SampleTime:

@@ -11,20 +11,22 @@ ed., ch. 6 (design by emulation and discrete equivalents).
 """
 
 from cmath import exp
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import measure_loop
 from zoh.analysis.results import Margins
-from zoh.certificate import LAWS, solved
+from zoh.design.sections import SecondOrder, in_series
 from zoh.errors import Infeasible, SpecError
-from zoh.lti.poly import trim
+from zoh.lti.poly import times, trim
 from zoh.lti.systems import Plant, Sampled, sample_time
 from zoh.lti.wplane import unwarp, warp
+from zoh.request import check_whole, checked
 from zoh.sampling.convert import discretise
 from zoh.sampling.hold import sample
+from zoh.solving import solved
 from zoh.spec import Crossover
 
 CARRIED_BY = ("tustin", "prewarp", "matched", "zoh", "backward", "forward")
@@ -64,12 +66,13 @@ class Emulated:
 
 def emulate(
     plant: Plant, law: str, parameters: Mapping[str, float], *, dt: float,
-    compute_delay: float = 0.0,
+    compute_delay: float = 0.0, sections: Sequence[SecondOrder] = (),
 ) -> tuple[Emulated, ...]:  # fmt: skip
     """Return the exact design and each emulated one for the same request, measured.
 
     law, parameters  as for ``zoh.design``, wc in rad/s and pm_deg in deg among them
     dt               s; wc must be below pi/dt, where no emulation is asked to do more
+    sections         fixed, in series with the law; in s at the frequencies that they name
 
     A design that the law cannot make, and a method that cannot carry it over, leave a row with
     the reason. Raises SpecError for what no design function would take.
@@ -82,18 +85,15 @@ def emulate(
     """
     if not isinstance(plant, Plant):
         raise SpecError("plant", "must be a zoh.Plant", plant, "a table has no form in s")
-    if not isinstance(law, str) or law not in LAWS:
-        raise SpecError("law", f"must be one of {', '.join(LAWS)}", law, "choose one of these")
-    missing = [n for n in dict.fromkeys((*LAWS[law], "pm_deg")) if n not in parameters]
-    if missing:
-        raise SpecError(missing[0], f"must be given to emulate {law}", None, ", ".join(LAWS[law]))
+    known = checked(law, parameters)
+    check_whole(law, known, f"to emulate {law}")
     dt = sample_time(dt)
-    spec = Crossover(wc=parameters["wc"], pm_deg=parameters["pm_deg"]).below_nyquist(dt)
-    sampled = sample(plant, dt, compute_delay)
-    rows = [_exact(law, sampled, spec, parameters)]
+    spec = Crossover(wc=known["wc"], pm_deg=known["pm_deg"]).below_nyquist(dt)
+    fixed, sampled = in_series(sections, dt), sample(plant, dt, compute_delay)
+    rows = [_exact(law, sampled, fixed, spec, known)]
     for designed, delay in ((ALONE, 0.0), (HOLD_COUNTED, dt / 2 + compute_delay)):
         try:
-            continuous = _in_s(law, _InPlaceOfW(plant, dt, delay), spec, parameters)
+            continuous = _in_s(law, _InPlaceOfW(plant, dt, delay, sections), spec, known)
         except Infeasible as refused:
             rows.append(_refused(designed, None, _why(law, spec, refused)))
             continue
@@ -104,32 +104,43 @@ def emulate(
 class _InPlaceOfW:
     """The continuous plant where a law expects a sampled one: s stands in the place of w."""
 
-    def __init__(self, plant: Plant, dt: float, delay: float) -> None:
+    def __init__(
+        self, plant: Plant, dt: float, delay: float, sections: Sequence[SecondOrder]
+    ) -> None:
         self._plant, self._delay, self.dt = plant, delay, dt
+        self.fixed = [section.in_s() for section in sections]
 
     def at(self, wc: float, /) -> complex:
-        """Return P(j v) exp(-j v delay) at the v that wc is in the w-plane."""
+        """Return P(j v) exp(-j v delay) and the sections at the v that wc is in the w-plane."""
         v = warp(wc, self.dt)
-        return self._plant.at(v) * exp(-1j * v * self._delay)
+        gain = self._plant.at(v) * exp(-1j * v * self._delay)
+        for section in self.fixed:
+            gain *= section.at(v)
+        return gain
 
 
 def _in_s(
     law: str, response: _InPlaceOfW, spec: Crossover, parameters: Mapping[str, float]
 ) -> Plant:
-    """Return the law solved in s at s = j wc, as a continuous controller."""
+    """Return the law solved in s at s = j wc and the sections, as a continuous controller."""
     at = Crossover(wc=unwarp(spec.wc, response.dt), pm_deg=spec.pm_deg)
     found = solved(law, response, at, {**parameters, "wc": at.wc}).controller
-    return Plant(num=trim(found.num_w), den=found.den_w)
+    num, den = trim(found.num_w), found.den_w
+    for section in response.fixed:
+        num, den = times(num, section.num), times(den, section.den)
+    return Plant(num=num, den=den)
 
 
 def _exact(
-    law: str, sampled: Sampled, spec: Crossover, parameters: Mapping[str, float]
-) -> Emulated:
+    law: str, sampled: Sampled, fixed: Sampled | None, spec: Crossover,
+    parameters: Mapping[str, float],
+) -> Emulated:  # fmt: skip
+    behind = fixed * sampled if fixed else sampled
     try:
-        found = solved(law, sampled, spec, parameters).controller
+        found = solved(law, behind, spec, parameters).controller
     except Infeasible as refused:
         return _refused(EXACT, None, _why(law, spec, refused))
-    return _measured(EXACT, None, found, sampled)
+    return _measured(EXACT, None, found * fixed if fixed else found, sampled)
 
 
 def _carried(

@@ -24,6 +24,7 @@ from zoh.analysis.stability import closed_loop_stable
 from zoh.design import pid
 from zoh.design.target import Target, refusal
 from zoh.errors import Infeasible, SpecError
+from zoh.lti.forms import time_constant
 from zoh.lti.systems import Sampled
 from zoh.spec import Crossover
 
@@ -61,7 +62,7 @@ class Line:
         """Return the line; raise Infeasible where no PID is on it, SpecError on a table."""
         if not isinstance(sampled, Sampled):
             raise SpecError("ms", "must be searched on a model", ms, "on a table give ki or ti_td")
-        tau, target = pid.time_constant(filter_pole, sampled.dt), Target.of(sampled, spec)
+        tau, target = time_constant(filter_pole, sampled.dt), Target.of(sampled, spec)
         room = pid.room(target, tau)
         if room is None:
             able = pid.phases_of_any(target, tau)
@@ -103,21 +104,27 @@ class Line:
 
     def _at(self, share: float, v: Complex) -> Complex:
         law = self.law(log(share / (1 - share)))
-        tau = pid.time_constant(self.filter_pole, self.sampled.dt)
+        tau = time_constant(self.filter_pole, self.sampled.dt)
         return np.asarray(law.kp + law.ki / v + law.kd * v / (1 + v * tau))
 
     def candidates(self, count: int = _VALUES) -> tuple[Array, npt.NDArray[np.bool_]]:
         """Return (all y looked at, ascending; whether the lower bound of Ms leaves each open)."""
+        y = self._with_dips(_FEW)
+        if count > _FEW:  # what a look at few has found is among those of a look at many
+            y = np.unique(np.concatenate([y, self._with_dips(count)]))
+        return y, self.least_ms(y) <= self.ms * (1 + 1e-9)  # 1e-9: the bound is rounded too
+
+    def _with_dips(self, count: int) -> Array:
+        """Return values of y spread evenly, and more around each dip of the bound."""
         y = np.linspace(-_END, _END, count)
         bound = self.least_ms(y)
         dips = np.flatnonzero((bound[1:-1] < bound[:-2]) & (bound[1:-1] < bound[2:])) + 1
-        y = np.unique(np.concatenate([y, *(np.linspace(y[i - 1], y[i + 1], 40) for i in dips)]))
-        return y, self.least_ms(y) <= self.ms * (1 + 1e-9)  # 1e-9: the bound is rounded too
+        return np.unique(np.concatenate([y, *(np.linspace(y[i - 1], y[i + 1], 40) for i in dips)]))
 
     def nothing(self) -> Infeasible:
         """Return that no value looked at is good."""
         target = Target.of(self.sampled, self.spec)
-        tau = pid.time_constant(self.filter_pole, self.sampled.dt)
+        tau = time_constant(self.filter_pole, self.sampled.dt)
         low, high = pid.phases_of_any(target, tau) or (0.0, 0.0)
         return Infeasible(
             f"no PID with positive gains has {self.spec.pm_deg:g} deg at {self.spec.wc:g} rad/s "
@@ -171,8 +178,9 @@ def least_iae(line: Line, iae: Cost) -> pid.PID:
     while step > 1e-6:
         best = min(best, *(cost(best[1] + step * k / 6) for k in range(-6, 7) if k))
         step /= 6
-    if best[0] == inf:
-        raise line.nothing()
+    if best[0] == inf:  # there are some, see ``_highest_good``
+        bound = "must be of loops whose load error ends: these swing for a million samples"
+        raise SpecError("least_iae_ms", bound, line.ms, "give largest_ki_ms, or sample more slowly")
     return line.law(best[1])
 
 

@@ -21,12 +21,11 @@ from zoh.analysis.tabled.verify import (
     measure_table,
     table_verified,
 )
-from zoh.certificate import SolvedLaw, advised, not_as_asked, off_target, solved
-from zoh.design import p as p_law
-from zoh.design.target import Target
+from zoh.certificate import advised
 from zoh.errors import Infeasible, NotMet, SpecError
 from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.systems import Sampled
+from zoh.solving import SolvedLaw, by_gain_alone, not_as_asked, off_target, solved
 from zoh.spec import Crossover, Requirements
 
 
@@ -54,7 +53,7 @@ class Clocked:
 def design_on_table(
     plant: FrequencyResponse, law: str, parameters: Mapping[str, float], *, dt: float,
     compute_delay: float, requirements: Requirements, fixed: Sampled | None = None,
-    name: str | None = None,
+    name: str | None = None, allow: frozenset[str] = frozenset(),
 ) -> TableVerified:  # fmt: skip
     """Return the verified design of ``law`` on a table; its parameters are checked already.
 
@@ -83,21 +82,22 @@ def design_on_table(
     spec = Crossover(wc=parameters["wc"], pm_deg=parameters.get("pm_deg", 90.0))
     asked = spec if "pm_deg" in parameters else None  # the textbook's rule takes no margin
     try:
-        return checked(solved(law, plant_seen, spec, parameters), asked)
+        return checked(solved(law, plant_seen, spec, parameters, None, allow), asked)
     except Infeasible as refused:
         if asked is None:
             raise
-        raise _advised(refused, law, plant_seen, spec, parameters) from None
+        raise _advised(refused, law, plant_seen, spec, parameters, allow) from None
 
 
 def _advised(
-    refused: Infeasible, law: str, plant: Clocked, spec: Crossover, parameters: Mapping[str, float]
-) -> Infeasible:
+    refused: Infeasible, law: str, plant: Clocked, spec: Crossover,
+    parameters: Mapping[str, float], allow: frozenset[str],
+) -> Infeasible:  # fmt: skip
     def holds(controller: Sampled, at: Crossover) -> bool:
         path = Path.of(plant.whole(controller) * plant.table)
         return count(path).unstable == 0 and not off_target(Seen.of(path), at)
 
-    return advised(refused, law, plant, spec, parameters, holds)
+    return advised(refused, law, plant, spec, parameters, holds, allow)
 
 
 def _free_p(
@@ -107,18 +107,13 @@ def _free_p(
 ) -> TableVerified:
     """Return the P of a crossover alone, or of a margin alone: there the fastest that holds."""
 
-    def gain(wc: float) -> SolvedLaw:
-        target = Target.of(plant, Crossover(wc=wc, pm_deg=90.0))
-        law = p_law.P(kp=1 / target.size, dt=plant.dt)
-        return SolvedLaw(controller=law.controller(), gains=law.gains)
-
     if "wc" in parameters:
-        return checked(gain(parameters["wc"]), None)
+        return checked(by_gain_alone(plant, parameters["wc"]), None)
     pm_deg = Crossover(wc=1.0, pm_deg=parameters["pm_deg"]).pm_deg
     failure: NotMet | None = None
     for wc in reversed(_crossovers(plant.table, pm_deg)):
         try:
-            return checked(gain(wc), Crossover(wc=wc, pm_deg=pm_deg))
+            return checked(by_gain_alone(plant, wc), Crossover(wc=wc, pm_deg=pm_deg))
         except NotMet as missed:
             failure = failure or missed
     if failure is not None:

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from zoh.analysis import discs
+from zoh.analysis.certificates import Proof
 from zoh.analysis.close import Close
-from zoh.analysis.evidence import Proof
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import margins, measure_loop, peak
 from zoh.analysis.proof import Found, _just_below, _least, counted, proved

@@ -6,7 +6,7 @@ from math import inf
 
 import pytest
 
-from zoh.analysis.evidence import Certificate, Proof
+from zoh.analysis.certificates import Certificate, Proof
 from zoh.analysis.results import Gains, Margins, StepInfo, jsonable
 
 YES = Proof(holds=True, method="Descartes", detail="2 sign changes, 2 found")

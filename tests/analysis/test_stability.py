@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from zoh.analysis import stability
-from zoh.analysis.evidence import Proof
+from zoh.analysis.certificates import Proof
 from zoh.analysis.loop import Loop
 from zoh.analysis.stability import (
     _none_encircled,

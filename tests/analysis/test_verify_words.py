@@ -109,7 +109,8 @@ def test_the_dictionary_by_hand():
     assert found == {
         "name": "p", "law": "p", "feasible": True, "reason": None, "gains": {"kp": -2.0},
         "controller": controller, "met": True, "misses": [], "noise_gain": None,
-        "choice": None,
+        "choice": None, "allowed": [], "setpoint_weight": 1.0, "derivative_weight": 1.0,
+        "reference_path": None,
         "forms": {
             "parallel": {"kp": -2.0}, "standard": {"kp": -2.0}, "series": {"k": -2.0},
             "refused": {},

@@ -355,7 +355,7 @@ def test_without_matplotlib_it_says_what_brings_it(good, run, tmp_path, monkeypa
     ],
 )
 def test_no_traceback_whatever_happens(error, code, said, good, run, monkeypatch):
-    def fail(_):
+    def fail(*_):
         raise error
 
     monkeypatch.setattr(cli, "design_all", fail)
@@ -367,7 +367,7 @@ def test_no_traceback_whatever_happens(error, code, said, good, run, monkeypatch
 
 
 def test_a_defect_shows_its_place_on_request(good, run, monkeypatch):
-    monkeypatch.setattr(cli, "design_all", lambda _: 1 / 0)
+    monkeypatch.setattr(cli, "design_all", lambda *_: 1 / 0)
     monkeypatch.setenv("ZOH_DEBUG", "1")
     with pytest.raises(ZeroDivisionError):
         run(good)
@@ -427,3 +427,10 @@ def test_json_needs_neither_rich_nor_matplotlib():
         timeout=120,
     )
     assert (done.returncode, done.stderr) == (0, b"")
+
+
+def test_the_package_itself_runs_as_a_module():
+    found = subprocess.run(
+        [sys.executable, "-m", "zoh", "--version"], capture_output=True, text=True, check=True
+    )
+    assert zoh.__version__ in found.stdout

@@ -100,3 +100,31 @@ def test_a_request_that_leaves_its_crossover_open_has_a_budget_and_no_price(good
     (design,) = json.loads(out)["designs"]
     assert design["budget"]["phase_margin_deg"] == pytest.approx(40, abs=1e-9)
     assert design["prices"] == []
+
+
+OPEN = """
+[plant]
+model = "2.3/(s^2 + 0.7809 s)"
+[sensor]
+gain = "12/180"
+[sampling]
+dt = 0.1
+[[controller]]
+law = "pi"
+sections = [{w0 = 9.0, depth = 0.3}]
+[requirements]
+ms = 1.6
+pm_deg = 50
+"""
+
+
+def test_what_was_chosen_is_priced_and_clocked_too():
+    from zoh.app.explain import explain_all
+    from zoh.app.project import read
+
+    (found,) = explain_all(read(OPEN))
+    m = found.entry.measured.margins
+    exact = found.prices[0].margins
+    assert exact.crossover == pytest.approx(m.crossover, rel=1e-9)
+    assert exact.phase_margin_deg == pytest.approx(m.phase_margin_deg, abs=1e-9)
+    assert any(row.dt == 0.1 and row.failure is None for row in found.clocks.rows)

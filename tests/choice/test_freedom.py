@@ -5,10 +5,10 @@ from math import degrees, exp, log, pi, tan
 import numpy as np
 import pytest
 
-from zoh.certificate import solved
 from zoh.choice.freedom import SECOND, SLOWEST, Freedom
 from zoh.lti.systems import Plant, Sampled
 from zoh.sampling.hold import sample
+from zoh.solving import solved
 from zoh.spec import Crossover
 
 DT = 0.1
@@ -18,7 +18,8 @@ PLANTS = {
     "late": sample(Plant(num=[1.0], den=[1.0, 2.0, 5.0], dead_time=0.13), DT),
     "two integrators": sample(Plant(num=[1.0, 0.3], den=[1.0, 40.0, 0.0, 0.0]), DT),
 }
-OPEN = ("pi", "pd", "pid", "lead", "lag")
+OPEN = ("pi", "pd", "pid", "lead", "lag")  # whose every controller is a point
+POINTS = (*OPEN, "leadlag")
 
 
 def warped(wc):
@@ -30,7 +31,7 @@ def slowest_zero(controller):
 
 
 @pytest.mark.parametrize("name", PLANTS)
-@pytest.mark.parametrize("law", OPEN)
+@pytest.mark.parametrize("law", POINTS)
 def test_a_point_is_a_controller_that_crosses_over_as_said(law, name):
     rng, plant, seen = np.random.default_rng(5), PLANTS[name], 0
     for wc in np.geomspace(0.05, 25, 25):

@@ -2,7 +2,7 @@
 
 from cmath import exp, phase
 from itertools import pairwise
-from math import atan, cos, degrees, inf, pi, radians, remainder, sin, sqrt, tau
+from math import atan, cos, degrees, inf, pi, radians, remainder, sin, sqrt, tan, tau
 
 import pytest
 from hypothesis import assume, given, settings
@@ -81,7 +81,21 @@ def _some(theta, m, ratio):
         if ratio:
             return f > 1e-9 and s * cos(f) > 1 + 1e-9
         off.append(sin(f) - (s * s - 1) / (s * s + 1) if 0 < f < pi / 2 and s > 1 else inf)
-    return any(a > 0 > b for a, b in pairwise(off) if inf not in (a, b))
+    return any(a * b < 0 for a, b in pairwise(off) if inf not in (a, b))
+
+
+@pytest.mark.parametrize(("off_deg", "k"), [(30, 2 * tan(radians(5))), (40, 0.6)])
+def test_a_free_ratio_beyond_the_lags_own_turn_by_hand(off_deg, k):
+    # v = 2 = wz: a lag of r = 1/tan(off) lacks off of 90 deg at v and has k sin(off) there, k =
+    # a0 |G| sqrt 2 = a0; the centred lead of that gain turns by 90 deg - 2 atan(k sin(off)). With
+    # k = 0.6 another ratio does the same, at off = 11.7 deg: the smaller one is taken
+    off = radians(off_deg)
+    lag_and_lead = 45 + off_deg - 2 * degrees(atan(k * sin(off)))
+    spec = Crossover(wc=pi / 2, pm_deg=45 + lag_and_lead)
+    law = leadlag.solve(INTEGRATOR, spec, k, lag_corner=2.0)
+    assert law.lag.w0 / law.lag.wp == pytest.approx(1 / tan(off), rel=1e-12)
+    assert law.lead.w0 * law.lead.wp == pytest.approx(4.0, rel=1e-12)
+    assert abs(at_z(law, pi / 2, 1.0) / (1j - 1) + exp(1j * radians(spec.pm_deg))) < 1e-13
 
 
 def test_where_no_lag_is_needed_the_phases_start_at_the_centred_lead():

@@ -7,6 +7,7 @@ The integrator 1/(z - 1) has there |G| = 1/sqrt 2, arg G = -135 deg, v = 2 and x
 from itertools import count
 from math import cos, pi, radians, sqrt
 
+import numpy as np
 import pytest
 
 import zoh
@@ -254,19 +255,29 @@ def test_the_nearest_is_the_edge_itself_where_its_seven_digits_do_not_work():
 
 def test_no_more_frequencies_are_tried_than_seven_digits_need():
     asked = []
-    assert nearest(lambda w: asked.append(w) or w >= sqrt(2), 1.0, 1.0) == 1.414214
-    outwards = 2 * 12  # 1.03^12 is above sqrt(2), and every step up has one down before it
+    assert nearest(lambda w: asked.append(w) or w >= sqrt(2), 1.0, 0.01) == 1.414214
+    outwards = 2 * 12 - 1  # 1.03^12 is above sqrt(2), and there are as many down, but for the last
     # 3 % of sqrt(2) is 2^15.4 units of 1e-6; four more for an edge near a unit's end, one at last
     assert outwards < len(asked) <= outwards + 16 + 4 + 1
 
 
 def test_the_nearest_is_looked_for_below_nyquist_alone():
     asked = []
-    assert nearest(lambda w: asked.append(w) is not None, 1.0, 1.0) is None
-    assert max(asked) < pi
-    # outwards from wc, a step down before a step up, 3 % at a time
-    assert asked[:4] == pytest.approx([1 / 1.03, 1.03, 1.03**-2, 1.03**2], rel=1e-14)
-    assert min(asked) == pytest.approx(1e-3, rel=0.2)  # "down to wc/1000": where steps end
+    assert nearest(lambda w: asked.append(w) is not None, 1.0, 0.01) is None
+    assert 0.99 * pi / 0.01 < max(asked) < pi / 0.01
+    # outwards from wc, to both sides in turn, 3 % at a time
+    assert sorted(asked[:2]) == pytest.approx([1 / 1.03, 1.03], rel=1e-14)
+    assert sorted(asked[2:4]) == pytest.approx([1.03**-2, 1.03**2], rel=1e-14)
+    assert min(asked) == pytest.approx(1e-3, rel=0.25)  # "down to wc/1000": where steps end
+
+
+@pytest.mark.parametrize("late", [0, 8])
+def test_near_nyquist_the_phase_is_what_is_stepped_through(late):
+    asked = []
+    assert nearest(lambda w: asked.append(w) is not None, 1.0, 1.0, late) is None
+    up = np.array(sorted(w for w in asked if w > 1))
+    # 0.02 rad of the clock, a third of it with eight samples of delay
+    assert np.diff(up) == pytest.approx(0.02 / (1 + late / 4), rel=1e-9)
 
 
 def test_a_plant_that_answers_backwards_is_named():

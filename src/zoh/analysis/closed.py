@@ -1,8 +1,9 @@
 """The motions there are: a closed loop under each excitation, and a system by itself.
 
-Z = (plant state, inputs still under way, controller state, signal, 1), the signal only where it is
-no constant. The controller compares a reference r with the output y at the samples; a disturbance
-d is added to what the plant's input is after its dead time.
+Z = (plant state, inputs still under way, controller state, feedforward state, signal, 1), the
+signal only where it is no constant. The controller compares a reference r with the output y at the
+samples, the feedforward adds its answer to r; a disturbance d is added to what the plant's input is
+after its dead time.
 Source: K. J. Astrom and B. Wittenmark, Computer-Controlled Systems, 3rd ed., ch. 2 and 3.
 """
 
@@ -30,9 +31,10 @@ CARRIED = 64  # samples of delay carried in the state; more stand in a queue
 
 
 def closed_loop(
-    plant: Plant, controller: Sampled, compute_delay: float = 0.0, by: Excitation = "step"
-) -> Motion:
-    """Return the motion of plant and controller in unity feedback, excited ``by`` one of
+    plant: Plant, controller: Sampled, compute_delay: float = 0.0, by: Excitation = "step",
+    feedforward: Sampled | None = None,
+) -> Motion:  # fmt: skip
+    """Return the motion of u = controller (r - y) + feedforward r and the plant, excited ``by``
 
     step         the reference is 1 from k = 0 on
     impulse      the reference is 1 at k = 0 alone
@@ -48,9 +50,9 @@ def closed_loop(
         raise SpecError("controller", "must be a zoh.Sampled", controller, "give num, den and dt")
     dt = controller.dt
     m, lead = followable(plant, dt, compute_delay, controller.delay)
-    held, feedback = Held.of(plant, dt), realised(controller)
-    at = _Places.of(len(held.c), m, len(feedback[0]), by)
-    y, u = _signals(held, feedback, at)
+    held, feedback, ahead = Held.of(plant, dt), realised(controller), _ahead(feedforward, by)
+    at = _Places.of(len(held.c), m, (len(feedback[0]), len(ahead[0])), by)
+    y, u = _signals(held, feedback, ahead, at)
     stretches, moved = _between(held, *_inputs(u, at), lead)
     delta, start = np.zeros((at.size, at.size)), np.zeros(at.size)
     delta[: at.n] = moved
@@ -58,11 +60,14 @@ def closed_loop(
         queue = slice(at.n, at.first)
         delta[queue, queue] = np.eye(at.kept, k=-1) - np.eye(at.kept)
         delta[at.n] += u
-    if at.own > at.first:
+    if at.ahead > at.first:
         _chain(delta, at.first, feedback[0])
         delta[at.first] -= y
         if at.r is not None:
             delta[at.first, at.r] += 1.0
+    if at.own > at.ahead:
+        _chain(delta, at.ahead, ahead[0])
+        delta[at.ahead, at.r] += 1.0
     start[at.one] = 1.0
     if by == "ramp":
         delta[at.own, at.one] = dt
@@ -74,9 +79,18 @@ def closed_loop(
     )  # fmt: skip
 
 
+Realised = tuple[Sequence[float], Sequence[float], float]  # (a, c, d) of ``realised``
+
+
+def _ahead(feedforward: Sampled | None, by: Excitation) -> Realised:
+    """Return the feedforward as a chain of sums, nothing where no reference acts."""
+    return realised(feedforward) if feedforward and by != "disturbance" else ((), (), 0.0)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Places:
-    """Where things stand in Z: n plant states, ``kept`` inputs, the controller's from ``first``.
+    """Where things stand in Z: n plant states, ``kept`` inputs, the controller's states from
+    ``first`` on, the feedforward's from ``ahead`` on.
 
     r  which one is the reference, None where it is 0;  d  whether a disturbance of 1 acts
     """
@@ -84,19 +98,22 @@ class _Places:
     n: int
     kept: int
     first: int
+    ahead: int
     own: int
     one: int
     r: int | None
     d: bool
 
     @classmethod
-    def of(cls, n: int, m: int, controllers: int, by: Excitation) -> "_Places":
+    def of(cls, n: int, m: int, states: tuple[int, int], by: Excitation) -> "_Places":
         kept = m if m <= CARRIED else 2  # of a queue the two that act in a sample
-        own = n + kept + controllers
+        ahead = n + kept + states[0]
+        own = ahead + states[1]
         one = own + 1 if by in ("impulse", "ramp") else own
         r = None if by == "disturbance" else own
         return cls(
-            n=n, kept=kept, first=n + kept, own=own, one=one, r=r, d=by == "disturbance"
+            n=n, kept=kept, first=n + kept, ahead=ahead, own=own, one=one, r=r,
+            d=by == "disturbance",
         )  # fmt: skip
 
     @property
@@ -104,9 +121,7 @@ class _Places:
         return self.one + 1
 
 
-def _signals(
-    held: Held, feedback: tuple[Sequence[float], Sequence[float], float], at: _Places
-) -> tuple[Array, Array]:
+def _signals(held: Held, feedback: Realised, ahead: Realised, at: _Places) -> tuple[Array, Array]:
     """Return output and effort at a sample as rows on Z."""
     _, c, direct = feedback
     y, u = np.zeros(at.size), np.zeros(at.size)
@@ -115,10 +130,10 @@ def _signals(
         y[at.first - 1] = held.d
     if at.d:
         y[at.one] = held.d
-    u[at.first : at.own] = c
+    u[at.first : at.ahead], u[at.ahead : at.own] = c, ahead[1]
     u -= direct * y
     if at.r is not None:
-        u[at.r] += direct
+        u[at.r] += direct + ahead[2]
     if held.d and not at.kept:  # the plant answers at once
         if 1 + direct * held.d == 0:
             raise SpecError(

@@ -40,12 +40,14 @@ def trace(
     reference: float = 1.0,
     t_end: float,
     per_sample: int = 20,
+    feedforward: Sampled | None = None,
 ) -> Trace:
     """Return the closed loop's step response up to t_end seconds as curves to draw.
 
-    ``per_sample`` is the least number of points of the curve between two samples.
+    ``per_sample`` is the least number of points of the curve between two samples; ``feedforward``
+    adds its answer to the reference to the controller's.
     """
-    motion = closed_loop(plant, controller, compute_delay)
+    motion = closed_loop(plant, controller, compute_delay, feedforward=feedforward)
     return trace_of(motion, t_end, per_sample, reference)
 
 

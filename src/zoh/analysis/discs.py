@@ -10,7 +10,7 @@ from math import pi
 
 import numpy as np
 
-from zoh.analysis.evidence import Proof
+from zoh.analysis.certificates import Proof
 from zoh.analysis.loop import Array, Loop
 from zoh.analysis.squares import Below
 from zoh.analysis.stretches import (

@@ -16,8 +16,8 @@ from math import inf, isnan, log, radians, tau
 
 import numpy as np
 
+from zoh.analysis.certificates import Proof
 from zoh.analysis.close import Close
-from zoh.analysis.evidence import Proof
 from zoh.analysis.loop import Loop, out_of_range
 from zoh.analysis.margin_crossings import Crossings, gain_crossings, phase_crossings
 from zoh.analysis.proof import Found, Look, Peak, proved

@@ -12,8 +12,8 @@ from math import inf
 from typing import NamedTuple
 
 from zoh.analysis import discs
+from zoh.analysis.certificates import Certificate, Proof
 from zoh.analysis.close import Close
-from zoh.analysis.evidence import Certificate, Proof
 from zoh.analysis.loop import Array, Loop
 from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import Below, Squares

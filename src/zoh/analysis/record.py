@@ -59,13 +59,7 @@ class Record:
             "reason": None,
             "gains": dict(self.gains),
             "forms": self.forms,
-            "controller": {
-                "num": list(self.controller.num),
-                "den": list(self.controller.den),
-                "dt": self.dt,
-                "num_w": list(self.controller.num_w),
-                "den_w": list(self.controller.den_w),
-            },
+            "controller": coefficients(self.controller),
         }
 
     def _head(self, m: Margins, undecided: str) -> list[str]:
@@ -81,6 +75,17 @@ class Record:
             f"  phase margin {m.phase_margin_deg:.6g} deg at {or_no(m.crossover)} rad/s,"
             f" gain margin {m.gain_margin_db:.4g} dB at {or_no(m.phase_crossover)} rad/s",
         ]
+
+
+def coefficients(system: Sampled) -> dict[str, Any]:
+    """Return the JSON form of a sampled system."""
+    return {
+        "num": list(system.num),
+        "den": list(system.den),
+        "dt": system.dt,
+        "num_w": list(system.num_w),
+        "den_w": list(system.den_w),
+    }
 
 
 def or_no(value: float | None) -> str:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import inf, isinf, log10
 from typing import Any
 
-from zoh.analysis.evidence import Certificate
+from zoh.analysis.certificates import Certificate
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

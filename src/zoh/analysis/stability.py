@@ -11,8 +11,8 @@ from math import comb, exp, log, log10, pi
 
 import numpy as np
 
+from zoh.analysis.certificates import Proof
 from zoh.analysis.discs import unstable_zeros
-from zoh.analysis.evidence import Proof
 from zoh.analysis.loop import Array, Loop
 from zoh.lti import poly, signs, whole
 

@@ -51,15 +51,16 @@ def step_info(system: Plant | Sampled) -> StepInfo:
 
 
 def closed_loop_step(
-    plant: Plant, controller: Sampled, *, compute_delay: float = 0.0, reference: float = 1.0
-) -> StepInfo:
+    plant: Plant, controller: Sampled, *, compute_delay: float = 0.0, reference: float = 1.0,
+    feedforward: Sampled | None = None,
+) -> StepInfo:  # fmt: skip
     """Return the metrics of plant and controller in unity feedback, a stable loop.
 
-    The top level is at the samples, ``between_samples`` at all times, ``peak_effort`` the
-    largest |u|.
+    ``feedforward`` adds its answer to the reference to u. The top level is at the samples,
+    ``between_samples`` at all times, ``peak_effort`` the largest |u|.
     """
-    motion = closed_loop(plant, controller, compute_delay)
-    final, at_rest = gains_at_rest(plant, controller)
+    motion = closed_loop(plant, controller, compute_delay, feedforward=feedforward)
+    final, at_rest = gains_at_rest(plant, controller, feedforward)
     track = queue.track(motion, (final, at_rest)) if motion.wait else motion.track(final)
     seen = _Seen.of(motion, track, final, reference)
     wave = seen.wave
@@ -77,14 +78,18 @@ def closed_loop_step(
     )
 
 
-def gains_at_rest(plant: Plant, controller: Sampled) -> tuple[float, float]:
-    """Return what y and u settle to: C P/(1 + C P) and C/(1 + C P) at w = 0.
+def gains_at_rest(
+    plant: Plant, controller: Sampled, feedforward: Sampled | None = None
+) -> tuple[float, float]:
+    """Return what y and u settle to: (C + F) P/(1 + C P) and (C + F)/(1 + C P) at w = 0.
 
     At rest a held plant has the plant's own gain.
     """
-    top = controller.num_w[-1] * plant.sensor * plant.num[-1]
-    bottom = controller.den_w[-1] * plant.den[-1]
-    return top / (top + bottom), controller.num_w[-1] * plant.den[-1] / (top + bottom)
+    p_num, c_num, c_den = plant.sensor * plant.num[-1], controller.num_w[-1], controller.den_w[-1]
+    closed = c_num * p_num + c_den * plant.den[-1]
+    ahead = 0.0 if feedforward is None else feedforward.num_w[-1] / feedforward.den_w[-1]
+    path = c_num + ahead * c_den
+    return path * p_num / closed, path * plant.den[-1] / closed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

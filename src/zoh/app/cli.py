@@ -17,6 +17,7 @@ import numpy as np
 import zoh
 from zoh.app import files
 from zoh.app.commands import Entry, check_all, design_all, hidden_instability, to_dict, warnings
+from zoh.app.progress import shown_progress
 from zoh.app.project import Project, read
 from zoh.choice.map import Map
 from zoh.errors import AccuracyWarning, Infeasible, NotMet, SpecError, ZohError
@@ -113,7 +114,8 @@ def _parser() -> ArgumentParser:
 def _design(arguments: Namespace) -> int:
     project = read(files.read_text(arguments.file), files.beside(arguments.file))
     _refuse_early(arguments, "design.json")
-    entries = design_all(project)
+    with shown_progress() as progress:
+        entries = design_all(project, progress)
     result = to_dict(project, entries)
     if arguments.out is not None:
         report = _comparison(entries)
@@ -134,7 +136,8 @@ def _explain(arguments: Namespace) -> int:
 
     project = read(files.read_text(arguments.file), files.beside(arguments.file))
     _refuse_early(arguments, "explain.json")
-    explained = explain.explain_all(project)
+    with shown_progress() as progress:
+        explained = explain.explain_all(project, progress)
     if arguments.out is not None:
         drawn = _with_matplotlib(lambda: _maps(explain.maps(project, explained)))
         _write(arguments, {"explain.json": _json(explain.to_dict(project, explained)), **drawn})

@@ -11,9 +11,11 @@ from zoh.app.claims import Finding, check
 from zoh.app.project import GIVEN, Given, Project, Request
 from zoh.app.toml import within
 from zoh.errors import Infeasible, NotMet, SpecError
+from zoh.lti.forms import ringing
 from zoh.lti.frequency_response import FrequencyResponse
-from zoh.lti.hidden import hidden_modes
-from zoh.pipeline import design, left_open
+from zoh.lti.hidden import unstable_hidden
+from zoh.pipeline import design
+from zoh.request import Progress, left_open
 from zoh.sampling.hold import sample
 from zoh.spec import Requirements
 
@@ -65,10 +67,13 @@ class Entry:
         }
 
 
-def design_all(project: Project) -> tuple[Entry, ...]:
-    """Return every controller of the file: designed, refused, or measured where it is given."""
+def design_all(project: Project, progress: Progress | None = None) -> tuple[Entry, ...]:
+    """Return every controller of the file: designed, refused, or measured where it is given.
+
+    ``progress`` is called with a sentence now and then while something is searched.
+    """
     return tuple(
-        _designed(project, c) if isinstance(c, Request) else _measured(project, c)
+        _designed(project, c, progress) if isinstance(c, Request) else _measured(project, c)
         for c in project.controllers
     )
 
@@ -83,7 +88,7 @@ def check_all(project: Project) -> tuple[Entry, ...]:
     return tuple(_measured(project, c, claimed=True) for c in given)
 
 
-def _designed(project: Project, request: Request) -> Entry:
+def _designed(project: Project, request: Request, progress: Progress | None) -> Entry:
     name, law = request.name, request.law
     try:
         with within(f'controller "{name}": '):
@@ -92,6 +97,8 @@ def _designed(project: Project, request: Request) -> Entry:
                 law,
                 request.parameters,
                 sections=request.sections,
+                allow=request.allow,
+                progress=None if progress is None else lambda said: progress(f"{name}, {said}"),
                 dt=project.dt,
                 compute_delay=project.compute_delay,
                 requirements=_requirements(project, request),
@@ -180,7 +187,7 @@ def hidden_instability(project: Project) -> str | None:
     """Return a line on the modes that keep every loop of this plant unstable, None without any."""
     if isinstance(project.plant, FrequencyResponse):
         return None
-    modes = [s for s in hidden_modes(project.plant).tolist() if s.real >= 0]
+    modes = unstable_hidden(project.plant)
     if not modes:
         return None
     listed = ", ".join(f"{s.real:.6g}" if s.imag == 0 else f"{s:.6g}" for s in modes)
@@ -200,7 +207,10 @@ def warnings(project: Project, entries: Sequence[Entry]) -> tuple[str, ...]:
     for entry in entries:
         if entry.measured is None:
             continue
-        said += [f"{entry.name}: {sentence}" for sentence in entry.measured.margins.warnings]
+        notes = (
+            *ringing(entry.measured.gains, project.dt), *entry.measured.margins.warnings,
+        )  # fmt: skip
+        said += [f"{entry.name}: {sentence}" for sentence in notes]
         step = entry.measured.step
         if step is not None and step.effort_range is not None:
             said += _saturation(project, entry.name, step.effort_range)

@@ -11,12 +11,13 @@ from zoh.analysis.budget import Budget, budget
 from zoh.analysis.verify import Measured
 from zoh.app.commands import Entry, design_all, warnings
 from zoh.app.project import Given, Project, Request
-from zoh.certificate import LAWS
 from zoh.choice.map import MAPPED, Map, law_map
 from zoh.clock import SampleTimes, sample_times
+from zoh.design.sections import SecondOrder
 from zoh.emulation import Emulated, emulate
 from zoh.lti.systems import Plant
 from zoh.report.text import number
+from zoh.request import LAWS, SPARE, Progress, left_open
 
 _WIDTH = 100  # columns; a sentence is folded there
 _PRICED = ("wc", "pm_deg")  # what a request must fix before it can be designed in s as well
@@ -27,7 +28,7 @@ class Explained:
     """One controller: where its degrees went, what emulation would cost, why it is as it is.
 
     budget    None where there is no loop, or none that crosses a gain of 1
-    prices    empty for a controller that was given, one with sections, and a plant that is a table
+    prices    empty for a controller that was given, and for a plant that is a table
     clocks    what other sample times cost; None where there are no prices
     reasons   one sentence each
     """
@@ -51,9 +52,18 @@ class Explained:
         }
 
 
-def explain_all(project: Project) -> tuple[Explained, ...]:
-    """Return every controller of the file, explained."""
-    entries = design_all(project)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Priceable:
+    """A plant and a law with all its parameters."""
+
+    plant: Plant
+    law: str
+    parameters: Mapping[str, float]
+
+
+def explain_all(project: Project, progress: Progress | None = None) -> tuple[Explained, ...]:
+    """Return every controller of the file, explained; ``progress`` as for ``design_all``."""
+    entries = design_all(project, progress)
     return tuple(
         _explained(project, *pair) for pair in zip(project.controllers, entries, strict=True)
     )
@@ -61,23 +71,32 @@ def explain_all(project: Project) -> tuple[Explained, ...]:
 
 def _explained(project: Project, asked: Request | Given, entry: Entry) -> Explained:
     found = _budget(project, entry)
-    model = _priceable(project, asked)
+    model = _priceable(project, asked, entry)
     return Explained(
         entry=entry,
         budget=found,
-        prices=() if model is None else _prices(project, *model),
-        clocks=None if model is None else _clocks(project, *model),
+        prices=() if model is None else _prices(project, model, asked),
+        clocks=None if model is None else _clocks(project, model, asked),
         reasons=tuple(_reasons(project, entry, found)),
     )
 
 
-def _priceable(project: Project, asked: Request | Given) -> tuple[Plant, Request] | None:
-    """Return what can be made in s and at another clock: a model, and a request that fixes wc."""
-    if not isinstance(project.plant, Plant) or not isinstance(asked, Request) or asked.sections:
+def _priceable(project: Project, asked: Request | Given, entry: Entry) -> Priceable | None:
+    """Return what can be made in s and at another clock: a model, and a law with all it needs.
+
+    What was left open is what was chosen.
+    """
+    if not isinstance(project.plant, Plant) or not isinstance(asked, Request):
         return None
-    needed = (*_PRICED, *LAWS.get(asked.law, ()))
-    fixed = asked.law in LAWS and all(name in asked.parameters for name in needed)
-    return (project.plant, asked) if fixed else None
+    law, found = asked.law, entry.measured
+    known = dict(asked.parameters)
+    if isinstance(found, Measured) and found.choice is not None:
+        law, m = found.law, found.margins
+        chosen = {"wc": m.crossover or 0.0, "pm_deg": m.phase_margin_deg, **found.gains}
+        takes = (n for n in LAWS[law] if n != "ki" or not any(k in known for k in SPARE))
+        known |= {n: chosen[n] for n in takes if n not in known}
+    fixed = law in LAWS and not left_open(law, known) and all(n in known for n in _PRICED)
+    return Priceable(plant=project.plant, law=law, parameters=known) if fixed else None
 
 
 def _budget(project: Project, entry: Entry) -> Budget | None:
@@ -87,21 +106,25 @@ def _budget(project: Project, entry: Entry) -> Budget | None:
     return budget(project.plant, law, compute_delay=project.compute_delay)
 
 
-def _prices(project: Project, plant: Plant, asked: Request) -> tuple[Emulated, ...]:
+def _prices(project: Project, of: Priceable, asked: Request | Given) -> tuple[Emulated, ...]:
     return emulate(
-        plant, asked.law, asked.parameters, dt=project.dt,
-        compute_delay=project.compute_delay,
+        of.plant, of.law, of.parameters, dt=project.dt, compute_delay=project.compute_delay,
+        sections=_sections(asked),
     )  # fmt: skip
 
 
-def _clocks(project: Project, plant: Plant, asked: Request) -> SampleTimes:
+def _clocks(project: Project, of: Priceable, asked: Request | Given) -> SampleTimes:
     """Return what clocks from eight times as fast to as slow as wc allows would cost."""
-    slowest = pi / asked.parameters["wc"]
+    slowest = pi / of.parameters["wc"]
     return sample_times(
-        plant, asked.law, asked.parameters, requirements=project.requirements,
-        compute_delay=project.compute_delay,
+        of.plant, of.law, of.parameters, requirements=project.requirements,
+        compute_delay=project.compute_delay, sections=_sections(asked), reference=project.reference,
         dts=[project.dt * 2.0**k for k in range(-3, 7) if project.dt * 2.0**k < slowest],
     )  # fmt: skip
+
+
+def _sections(asked: Request | Given) -> tuple[SecondOrder, ...]:
+    return asked.sections if isinstance(asked, Request) else ()
 
 
 def _reasons(project: Project, entry: Entry, found: Budget | None) -> list[str]:
@@ -204,7 +227,12 @@ def _clock_table(found: SampleTimes) -> list[str]:
         lines.append(f"{cost}  {number(row.ms):>6}  {bits:>4}{end}")
     if found.largest is None:
         lines.append(f"none of these meets the requirements: {found.limited_by}")
+    elif found.limited_by is None:
+        lines.append(
+            f"the longest that was tried does: {found.largest:.6g} s; longer ones may, too"
+        )
     else:
-        beyond = "" if found.limited_by is None else f"; beyond it: {found.limited_by}"
-        lines.append(f"the longest that does is {found.largest:.6g} s{beyond}")
+        lines.append(
+            f"the longest that does is {found.largest:.6g} s; beyond it: {found.limited_by}"
+        )
     return [f"  {line}" for line in lines]

@@ -13,13 +13,12 @@ from zoh.app.measured import read_table
 from zoh.app.plants import is_table, output_unit, read_plant
 from zoh.app.sections import read_sections
 from zoh.app.toml import Literal, Section, tables, within
-from zoh.certificate import LAWS, OPTIONS
-from zoh.choice.choose import AUTO, OF_AUTO
 from zoh.design.sections import SecondOrder
 from zoh.errors import SpecError
 from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.parse import quotient
 from zoh.lti.systems import Plant, Sampled
+from zoh.request import AUTO, LAWS, OF_AUTO, OPTIONS, allowed, checked
 from zoh.spec import Crossover, Requirements
 
 SECTIONS = ("plant", "sensor", "actuator", "sampling", "controller", "requirements", "reference")
@@ -35,6 +34,7 @@ class Request:
     law: str
     parameters: Mapping[str, float]
     sections: tuple[SecondOrder, ...] = ()
+    allow: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -212,12 +212,15 @@ def _controller(entry: Section, dt: float) -> Request | Given:
     if law == GIVEN:
         return _given(named, name, dt)
     takes = LAWS.get(law, OF_AUTO) + OPTIONS.get(law, ())
-    named.only(["name", "law", "sections", *takes])
+    named.only(["name", "law", "sections", "allow", *takes])
     found = {key: named.number(key) for key in takes}
     parameters = {key: float(value) for key, value in found.items() if value is not None}
     _check_crossover(named, parameters, dt)
     sections = read_sections(named, dt)
-    return Request(name=name, law=law, parameters=parameters, sections=sections)
+    with within(named.path):
+        allow = tuple(sorted(allowed(entry.data.get("allow", []))))
+        parameters = checked(law, parameters, frozenset(allow))
+    return Request(name=name, law=law, parameters=parameters, sections=sections, allow=allow)
 
 
 def _check_crossover(entry: Section, parameters: Mapping[str, float], dt: float) -> None:

@@ -10,18 +10,16 @@ What can be met between two crossovers tried, and at neither, is not seen.
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from math import inf, pi
+from math import asin, degrees, inf, pi, radians, sin
 
-import numpy as np
-
-from zoh.certificate import solved
 from zoh.choice.climb import Height, HighEnough, Point, climb, grid, tops
 from zoh.choice.freedom import Freedom, second_is_open
 from zoh.choice.judge import Judge, Judgement
 from zoh.choice.sieve import Sieve
 from zoh.errors import Infeasible, SpecError
-from zoh.lti import poly
 from zoh.lti.systems import Sampled
+from zoh.request import Progress
+from zoh.solving import solved
 from zoh.spec import Crossover
 
 STEP = (0.005, 0.015, 0.03)  # of wc, between two that are tried; by the number of coordinates
@@ -33,6 +31,7 @@ _HILLS = 4  # that are climbed
 _NEAR = (0.02, 0.1, 0.004)  # the simplex's sizes where a point near the highest is known
 _PUSHES = (0.01, 0.002, 0.0005)  # of wc, by which a crossover found is tried to be passed
 _BELOW = 100.0  # times below the plant's slowest corner nothing new happens
+_ROUNDING_DEG = 1e-6  # below the least margin that a peak allows, so that rounding leaves it in
 _NYQUIST = 0.999  # of pi/dt is the fastest that is tried
 _NOWHERE = Judgement(
     slack=-5.0, failed="the law cannot give the margin asked with no zero slower than wc/10"
@@ -58,18 +57,21 @@ class Trial:
 class Edge:
     """The fastest trial that is met and the next one above it, None where it is the first one.
 
-    Where none is met, ``best`` is the one that comes nearest.
+    Where none is met, ``best`` is the one that comes nearest. ``is_first``: no faster one is tried.
     """
 
     best: Trial
     above: Trial | None
+    is_first: bool = False
 
 
 class Search:
     """A law of which something is open, ``fixed`` what is given, and who judges its designs."""
 
-    def __init__(self, judge: Judge, law: str, fixed: Mapping[str, float]) -> None:
-        self.judge, self.law, self.fixed = judge, law, fixed
+    def __init__(
+        self, judge: Judge, law: str, fixed: Mapping[str, float], progress: Progress | None = None
+    ) -> None:
+        self.judge, self.law, self.fixed, self.progress = judge, law, fixed, progress
         self.sieve = Sieve(judge.sampled, judge.requirements)
 
     def fastest(self) -> Edge:
@@ -80,9 +82,15 @@ class Search:
         top, bottom = _ends(self.judge.sampled)
         wc = top
         while wc > bottom:
+            if self.progress is not None:
+                self.progress(f"{self.law}: is everything met at {wc:.4g} rad/s?")
             here = self.at(wc)
             if here.met:
-                return self._closed_in(here, above)
+                return (
+                    self._closed_in(here, above)
+                    if above
+                    else Edge(best=here, above=None, is_first=True)
+                )
             if nearest is None or here.judgement.height > nearest.judgement.height:
                 nearest = here
             above = here
@@ -98,7 +106,9 @@ class Search:
 
         seed    a point near which to look first;  seeded  only there, but thoroughly
         """
-        least = self.judge.requirements.pm_deg or 0.0
+        ms = self.judge.requirements.ms
+        of_peak = 0.0 if ms is None else degrees(2 * asin(min(1.0, 1 / (2 * ms)))) - _ROUNDING_DEG
+        least = max(self.judge.requirements.pm_deg or 0.0, of_peak)
         freedom = Freedom.of(self.law, self.judge.sampled, wc, self.fixed, least)
         if freedom is None:
             return Trial(wc=wc)
@@ -152,9 +162,9 @@ class Search:
                 bounds[i] = bound
         return bounds
 
-    def _closed_in(self, good: Trial, bad: Trial | None) -> Edge:
+    def _closed_in(self, good: Trial, bad: Trial) -> Edge:
         """Return the edge between a crossover that is met and one above it that is not."""
-        while bad is not None and bad.wc > good.wc * (1 + EDGE):
+        while bad.wc > good.wc * (1 + EDGE):
             here = self.at((good.wc * bad.wc) ** 0.5, good.point)
             if here.met:
                 good = here
@@ -175,6 +185,15 @@ class Search:
         return edge
 
 
+def least_ms(pm_deg: float) -> float:
+    """Return the least Ms of a margin: |1 + L| is 2 sin(pm/2) at the crossover.
+
+    >>> round(least_ms(60.0), 12)
+    1.0
+    """
+    return 1 / (2 * sin(radians(pm_deg) / 2))
+
+
 def coordinates(law: str, fixed: Mapping[str, float]) -> int:
     """Return how many coordinates a law has at a crossover."""
     return (law != "p" and "pm_deg" not in fixed) + second_is_open(law, fixed)
@@ -183,5 +202,4 @@ def coordinates(law: str, fixed: Mapping[str, float]) -> int:
 def _ends(sampled: Sampled) -> tuple[float, float]:
     """Return the fastest and the slowest crossover to be tried in rad/s."""
     top = _NYQUIST * pi / sampled.dt
-    corners = np.abs(np.concatenate([poly.roots(sampled.num_w), poly.roots(sampled.den_w)]))
-    return top, float(min(corners[corners > 0], default=top / _BELOW)) / _BELOW
+    return top, min([top, *sampled.corners().tolist()]) / _BELOW

@@ -10,17 +10,19 @@ does next to nothing, a derivative with next to no gain below it.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import atan, cos, degrees, exp, pi, radians, sin
+from math import atan, cos, degrees, exp, inf, pi, radians, sin, tan
 
-from zoh.design import first_order
+from zoh.design import first_order, leadlag
 from zoh.design import pid as pid_law
 from zoh.design.target import Response, Target
 from zoh.errors import SpecError
+from zoh.lti.forms import time_constant
 from zoh.spec import Crossover
 
 SLOWEST = 0.1  # of wc, in the w-plane: how slowly a controller's zeros may decay
 _INSET = 1e-6  # of an open interval is left out at its ends
 _WIDE = 9.0  # a second coordinate reaches to exp(-9) of its range
+_LEAST_LEAD = 0.02  # rad that a lead-lag's lead turns: one of less is none, and rounding moves it
 _SAME_DEG = 1e-9  # two roads to one angle
 _LEAST_DEG = 1.0  # a margin that nobody would ask for less of
 
@@ -61,7 +63,7 @@ class Freedom:
         if pm is None:
             return None
         second = second_is_open(law, fixed)
-        tau = pid_law.time_constant(fixed.get("filter_pole"), sampled.dt)
+        tau = time_constant(fixed.get("filter_pole"), sampled.dt)
         return cls(
             law=law, target=target, turn_deg=turn_deg, wc=wc, pm=pm, fixed=fixed,
             size=(pm[0] < pm[1]) + second, tau=tau,
@@ -82,15 +84,64 @@ class Freedom:
     def _second(self, theta: float, x: float) -> tuple[str, float]:
         """Return the second parameter and its value at a coordinate, the law turning by theta."""
         target, c = self.target, cos(theta)
+        if self.law == "leadlag":
+            return "dc_gain", _of_lead_lag(target, self.fixed, theta, x)
         if self.law == "pid":
             low, high = _integrals(target, theta, self.tau)
             share = (exp(_WIDE * x) - 1) / (exp(_WIDE) - 1)  # finest at the least ki
             return "ki", (low + (high - low) * share) * target.v / target.size
-        share = 1 / (1 + exp(_WIDE * (1 - 2 * x)))  # finest at both ends of (0, 1)
+        if self.law == "lead":
+            return "dc_gain", _of_lead(theta, x) / target.size
         slow = abs(sin(theta)) / SLOWEST  # how |1/r - c| is where the zero is the slowest
-        if self.law == "lag":  # 1/r from c down, r the gain at w = 0 in parts of that at wc
-            return "dc_gain", 1 / ((c + (max(0.0, c - slow) - c) * share) * target.size)
-        return "dc_gain", (1 / (c + slow) + (c - 1 / (c + slow)) * share) / target.size
+        # 1/r from c down, r the gain at w = 0 in parts of that at wc
+        return "dc_gain", 1 / ((c + (max(0.0, c - slow) - c) * _both_ends(x)) * target.size)
+
+
+def _both_ends(x: float) -> float:
+    """Return a share of (0, 1), finest at both ends."""
+    return 1 / (1 + exp(_WIDE * (1 - 2 * x)))
+
+
+def _of_lead(theta: float, x: float) -> float:
+    """Return a lead's gain at w = 0 in parts of that at wc, from that of the slowest zero up."""
+    c, slow = cos(theta), sin(theta) / SLOWEST
+    return 1 / (c + slow) + (c - 1 / (c + slow)) * _both_ends(x)
+
+
+def _of_lead_lag(target: Target, fixed: Mapping[str, float], theta: float, x: float) -> float:
+    """Return a lead-lag's gain at w = 0.
+
+    Of a given ratio r the lead's coordinate is taken, behind the lag. Of a free one it is g, see
+    ``design.leadlag``: the centred lead's zero is at v tan((g - d)/2), d = theta - atan(v/wz).
+    """
+    turn = _lag_turn(target, fixed)
+    b = atan(turn)
+    if "lag_ratio" in fixed:
+        a = atan(fixed["lag_ratio"] * turn)
+        return _of_lead(theta - b + a, x) / (target.size * cos(a) / cos(b))
+    low = max(0.0, theta - b + 2 * atan(SLOWEST))
+    high = min(pi / 2 - b, pi / 2 - _LEAST_LEAD + theta - b)
+    g = low + (high - low) * _both_ends(x)
+    return tan((g - theta + b) / 2) * cos(b) / sin(g) / target.size
+
+
+def _lag_turn(target: Target, fixed: Mapping[str, float]) -> float:
+    """Return v/wz, the lag's zero at wz."""
+    return target.v / fixed["lag_corner"] if "lag_corner" in fixed else 10.0
+
+
+def _lead_lag_turns(target: Target, fixed: Mapping[str, float]) -> tuple[float, float] | None:
+    """Return the phases of a lead-lag; None where its lag's zero is slower than is allowed."""
+    turn, ratio = _lag_turn(target, fixed), fixed.get("lag_ratio")
+    if turn * SLOWEST > 1 + _INSET:
+        return None
+    if "dc_gain" in fixed:
+        return leadlag.phases(target, fixed["dc_gain"], turn, ratio)
+    b = atan(turn)
+    if ratio is None:
+        return b - pi / 2 + _LEAST_LEAD, pi / 2 - 2 * atan(SLOWEST)
+    lag = b - atan(ratio * turn)
+    return lag, lag + atan(1 / SLOWEST)
 
 
 def _integrals(target: Target, theta: float, tau: float) -> tuple[float, float]:
@@ -108,17 +159,17 @@ def _integrals(target: Target, theta: float, tau: float) -> tuple[float, float]:
     return low, max(min(c / x, c / (2 * q) - lead) * (1 - _INSET), low)
 
 
-SECOND = {"pid": "ki", "lag": "dc_gain", "lead": "dc_gain"}
+SECOND = {"pid": "ki", "lag": "dc_gain", "lead": "dc_gain", "leadlag": "dc_gain"}
 
 
 def second_is_open(law: str, fixed: Mapping[str, float]) -> bool:
     """Return whether the law has a second parameter that nothing given closes."""
-    return law in SECOND and SECOND[law] not in fixed and "ti_td" not in fixed
+    return law in SECOND and not any(name in fixed for name in (SECOND[law], "ti_td"))
 
 
 def _turns(law: str, target: Target, fixed: Mapping[str, float]) -> tuple[float, float] | None:
     """Return the interval of phases in rad that the law can give, any second parameter."""
-    tau, q = pid_law.time_constant(fixed.get("filter_pole"), target.dt), SLOWEST
+    tau, q = time_constant(fixed.get("filter_pole"), target.dt), SLOWEST
     x = target.v * tau
     if law == "pi":
         return -pi / 2, -atan(q)
@@ -128,13 +179,27 @@ def _turns(law: str, target: Target, fixed: Mapping[str, float]) -> tuple[float,
     if law == "pid":
         if "ki" in fixed:
             return pid_law.phases(target, fixed["ki"], tau)
-        k = 2 * q / (1 - q * q)  # where ``_integrals`` leaves room, bound by bound
-        room = ((1 - q * q) / x - q * q * x, (1 - k * x) / (x + k), (1 - 2 * q * x) / x)
-        return -pi / 2, atan(min(room))
+        return _room(x, q)
+    if law == "leadlag":
+        return _lead_lag_turns(target, fixed)
     given = fixed.get("dc_gain")
     if law == "lag":
         return (-pi / 2, 0.0) if given is None else first_order.lag_phases(target, given)
     return (0.0, atan(1 / q)) if given is None else first_order.lead_phases(target, given)
+
+
+def _room(x: float, q: float) -> tuple[float, float] | None:
+    """Return the phases for which ``_integrals`` leaves room: tan(theta) bound by bound.
+
+    The last bound, of a zero at -q below the ki where kp is 0, is one from below where x > 1/q.
+    """
+    k, a = 2 * q / (1 - q * q), (1 + q * q) / x - q + q * q * x
+    above = [(1 - q * q) / x - q * q * x, (1 - k * x) / (x + k), (1 - 2 * q * x) / x]
+    last = a / (1 - q * x) if q * x != 1 else inf
+    if q * x < 1:
+        above.append(last)
+    low, high = (atan(last) if q * x > 1 else -pi / 2), atan(min(above))
+    return (low, high) if low < high else None
 
 
 def _margins(

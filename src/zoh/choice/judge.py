@@ -1,7 +1,7 @@
 """One candidate beside everything that is asked, by measurement alone."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import inf
 
 from zoh import checks
@@ -12,12 +12,13 @@ from zoh.analysis.responses import noise_gains
 from zoh.analysis.results import StepInfo
 from zoh.analysis.stability import closed_loop_stable
 from zoh.analysis.step import closed_loop_step, gains_at_rest
-from zoh.certificate import off_target, solved
 from zoh.choice.freedom import SLOWEST
 from zoh.errors import Infeasible, SpecError
 from zoh.lti import poly
 from zoh.lti.systems import Plant, Sampled
+from zoh.lti.weights import WEIGHTS, feedforward
 from zoh.lti.wplane import warp
+from zoh.solving import SolvedLaw, off_target, solved
 from zoh.spec import Crossover, Requirements
 
 _AT_REST = "steady_state_error"  # which needs no response: the gains at w = 0 have it
@@ -48,13 +49,18 @@ class Judgement:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Judge:
-    """A plant, what is asked of its loop, and for which reference step."""
+    """A plant, what is asked of its loop, and for which reference step.
+
+    sampled  with what is ``fixed`` in series with the law;  weights  of the reference
+    """
 
     plant: Plant
     sampled: Sampled
     compute_delay: float
     requirements: Requirements
     reference: float
+    fixed: Sampled | None = None
+    weights: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         checked(self.requirements)
@@ -64,11 +70,11 @@ class Judge:
         """Return the judgement of a law with these parameters, wc and pm_deg among them."""
         spec = Crossover(wc=parameters["wc"], pm_deg=parameters["pm_deg"])
         try:
-            controller = solved(law, self.sampled, spec, parameters).controller
-            loop = Loop.of(controller, self.sampled)
+            found = solved(law, self.sampled, spec, parameters)
+            loop = Loop.of(found.controller, self.sampled)
         except (Infeasible, SpecError) as refused:
             return Judgement(slack=-4.0, failed=str(refused))
-        if "ti_td" in parameters and _slow(controller, spec.wc):
+        if "ti_td" in parameters and _slow(found.controller, spec.wc):
             return Judgement(slack=-2.0, failed="a zero of the controller is a decade below wc")
         if not closed_loop_stable(loop):
             return Judgement(slack=-3.0, failed="the closed loop is unstable")
@@ -77,17 +83,22 @@ class Judge:
             return Judgement(slack=-2.0, failed="the margin is smaller at another crossover")
         rows = of_margins(self.requirements, margins)
         if any(getattr(self.requirements, name) is not None for name in OF_TIME):
-            rows += self._in_time(controller)
+            rows += self._in_time(found)
         return judged(rows)
 
-    def _in_time(self, controller: Sampled) -> list[Compared]:
+    def _in_time(self, found: SolvedLaw) -> list[Compared]:
+        controller = found.controller * self.fixed if self.fixed else found.controller
+        setpoint, derivative = (self.weights.get(name, 1.0) for name in WEIGHTS)
+        ahead = feedforward(found.gains, setpoint, derivative, controller.dt)
+        ahead = ahead * self.fixed if ahead and self.fixed else ahead
         if all(getattr(self.requirements, name) is None for name in OF_TIME if name != _AT_REST):
-            final, _ = gains_at_rest(self.plant, controller)
+            final, _ = gains_at_rest(self.plant, controller, ahead)
             step = StepInfo(steady_state_error=self.reference * (1 - final))
         else:
             step = closed_loop_step(
-                self.plant, controller, compute_delay=self.compute_delay, reference=self.reference
-            )
+                self.plant, controller, compute_delay=self.compute_delay,
+                reference=self.reference, feedforward=ahead,
+            )  # fmt: skip
         noise = None
         if self.requirements.noise_gain is not None:
             noise = noise_gains(self.plant, controller, compute_delay=self.compute_delay)[1]

@@ -15,13 +15,12 @@ import numpy.typing as npt
 
 from zoh import checks
 from zoh.analysis.asked import checked
-from zoh.certificate import LAWS, OPTIONS
 from zoh.choice.choose import ASSUMED, nothing_asked
 from zoh.choice.freedom import Freedom
 from zoh.choice.judge import Judge, Judgement
 from zoh.errors import SpecError
-from zoh.lti import poly
 from zoh.lti.systems import Plant, Sampled
+from zoh.request import LAWS, OPTIONS
 from zoh.sampling.hold import sample
 from zoh.spec import Requirements
 
@@ -133,9 +132,7 @@ def _fixed(law: str, given: Mapping[str, float]) -> dict[str, float]:
 def _crossovers(sampled: Sampled, count: int) -> Array:
     """Return crossovers evenly in log, from below the slowest corner to just below Nyquist's."""
     top = 0.98 * pi / sampled.dt
-    corners = np.abs(np.concatenate([poly.roots(sampled.num_w), poly.roots(sampled.den_w)]))
-    low = min([float(c) for c in corners if c], default=top) / _AROUND
-    return np.geomspace(min(low, top / _AROUND), top, count)
+    return np.geomspace(min([top, *sampled.corners().tolist()]) / _AROUND, top, count)
 
 
 def _names(asked: Requirements) -> list[str]:

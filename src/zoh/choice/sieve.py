@@ -10,7 +10,6 @@ from math import inf, pi
 import numpy as np
 import numpy.typing as npt
 
-from zoh.lti import poly
 from zoh.lti.systems import Sampled
 from zoh.lti.wplane import warp
 from zoh.spec import Requirements
@@ -26,9 +25,8 @@ class Sieve:
 
     def __init__(self, sampled: Sampled, requirements: Requirements) -> None:
         top = 0.9999 * pi / sampled.dt
-        corners = np.abs(np.concatenate([poly.roots(sampled.num_w), poly.roots(sampled.den_w)]))
-        low = min([float(c) for c in corners if c], default=top) / _BEYOND
-        w = np.geomspace(min(low, top / _BEYOND), top, _POINTS)
+        low = min([top, *sampled.corners().tolist()]) / _BEYOND
+        w = np.geomspace(low, top, _POINTS)
         self._s = 1j * np.array([warp(float(x), sampled.dt) for x in w])
         self._plant: ComplexArray = np.asarray(sampled.at(w), complex)
         self._ms, self._mt = requirements.ms, requirements.mt

@@ -59,7 +59,10 @@ def lag_phases(target: Target, dc_gain: float) -> Phases:
     return (-acos(1 / ratio), 0.0) if ratio > 1 else None
 
 
-def lead(plant: Response, spec: Crossover, dc_gain: float) -> FirstOrder:
+def lead(
+    plant: Response, spec: Crossover, dc_gain: float, *, any_sign: bool = False,
+    any_pole: bool = False,
+) -> FirstOrder:  # fmt: skip
     """Return the lead of this gain at w = 0 whose loop crosses 1 at wc with the margin asked.
 
     With v, |G| and theta of ``Target``::
@@ -67,7 +70,8 @@ def lead(plant: Response, spec: Crossover, dc_gain: float) -> FirstOrder:
         1/w0 = (1/(a0 |G|) - cos(theta))/(v sin(theta))
         1/wp = (cos(theta) - a0 |G|)/(v sin(theta))
 
-    Raises Infeasible unless 0 < theta < acos(a0 |G|).
+    Raises Infeasible unless 0 < theta < acos(a0 |G|), or unless ``any_sign`` of w0 or
+    ``any_pole``, an unstable one, too, makes one.
 
     >>> from math import pi
     >>> plant = Sampled(num=(1.0,), den=(1.0, -1.0), dt=1.0)
@@ -77,16 +81,23 @@ def lead(plant: Response, spec: Crossover, dc_gain: float) -> FirstOrder:
     target = Target.of(plant, spec)
     able = lead_phases(target, dc_gain)
     if not target.inside(able):
+        found = _beyond(target, dc_gain, any_sign, any_pole, rises=True)
+        if found is not None:
+            return found
         raise refusal(
             f"a lead of dc_gain {dc_gain:g}", target, spec, able, "has a gain above that everywhere"
         )
     return corners(target, dc_gain)
 
 
-def lag(plant: Response, spec: Crossover, dc_gain: float) -> FirstOrder:
+def lag(
+    plant: Response, spec: Crossover, dc_gain: float, *, any_sign: bool = False,
+    any_pole: bool = False,
+) -> FirstOrder:  # fmt: skip
     """Return the lag of this gain at w = 0 whose loop crosses 1 at wc with the margin asked.
 
-    The equations are the lead's. Raises Infeasible unless -acos(1/(a0 |G|)) < theta < 0.
+    The equations are the lead's. Raises Infeasible unless -acos(1/(a0 |G|)) < theta < 0, or as
+    the lead does.
 
     >>> from math import pi
     >>> plant = Sampled(num=(1.0,), den=(1.0, -1.0), dt=1.0)
@@ -96,6 +107,9 @@ def lag(plant: Response, spec: Crossover, dc_gain: float) -> FirstOrder:
     target = Target.of(plant, spec)
     able = lag_phases(target, dc_gain)
     if not target.inside(able):
+        found = _beyond(target, dc_gain, any_sign, any_pole, rises=False)
+        if found is not None:
+            return found
         raise refusal(
             f"a lag of dc_gain {dc_gain:g}", target, spec, able, "has a gain below that everywhere"
         )
@@ -136,3 +150,18 @@ def corners(target: Target, dc_gain: float) -> FirstOrder:
         wp=turn / (cos(target.theta) - ratio),
         dt=target.dt,
     )
+
+
+def _beyond(
+    target: Target, dc_gain: float, any_sign: bool, any_pole: bool, *, rises: bool
+) -> FirstOrder | None:
+    """Return the section whose zero or pole is on the other side, where that is allowed.
+
+    rises  whether its gain has to be larger at wc than at w = 0, as a lead's is
+    """
+    if not (any_sign or any_pole) or not sin(target.theta):
+        return None
+    found = corners(target, dc_gain)
+    if (found.w0 < 0 and not any_sign) or (found.wp < 0 and not any_pole):
+        return None
+    return found if (dc_gain * target.size < 1) == rises else None

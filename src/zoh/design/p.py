@@ -43,14 +43,18 @@ def phases(target: Target) -> Phases:
     return -_SAME, _SAME
 
 
-def solve(plant: Response, spec: Crossover) -> P:
+def solve(plant: Response, spec: Crossover, *, any_sign: bool = False) -> P:
     """Return kp = 1/|G(wc)|; raise Infeasible unless the plant alone has the margin there.
+
+    With ``any_sign`` the plant's opposite will do, and kp is negative.
 
     >>> plant = Sampled(num=(1.0,), den=(1.0, -1.0), dt=1.0)
     >>> solve(plant, Crossover(wc=pi / 2, pm_deg=45))  # |G| = 1/sqrt(2), arg G = -135 deg
     P(kp=1.414213..., dt=1.0)
     """
     target = Target.of(plant, spec)
+    if any_sign and abs(target.theta) > pi - _SAME:
+        return P(kp=-1 / target.size, dt=plant.dt)
     if not target.inside(phases(target)):
         raise refusal("a P", target, spec, phases(target), "")
     return P(kp=1 / target.size, dt=plant.dt)

@@ -38,7 +38,7 @@ def phases(target: Target) -> Phases:
     return -pi / 2, 0.0
 
 
-def solve(plant: Response, spec: Crossover) -> PI:
+def solve(plant: Response, spec: Crossover, *, any_sign: bool = False) -> PI:
     """Return the PI whose loop crosses 1 at ``spec.wc`` with margin ``spec.pm_deg``.
 
     With v, |G| and theta of ``Target``::
@@ -46,14 +46,15 @@ def solve(plant: Response, spec: Crossover) -> PI:
         kp = cos(theta)/|G|        ki = -v sin(theta)/|G|
 
     This is a proposal: only ``analysis.verify`` says that the loop is stable. Raises SpecError
-    if wc is not below Nyquist, Infeasible if theta is not inside (-90, 0) deg.
+    if wc is not below Nyquist, Infeasible if theta is not inside (-90, 0) deg, where the gains are
+    positive, unless they may be of ``any_sign``.
 
     >>> plant = Sampled(num=(1.0,), den=(1.0, -1.0), dt=1.0)
     >>> solve(plant, Crossover(wc=pi / 2, pm_deg=30))  # kp = (sqrt(3)+1)/2, ki = sqrt(3)-1
     PI(kp=1.366025..., ki=0.732050..., dt=1.0)
     """
     target = Target.of(plant, spec)
-    if not target.inside(phases(target)):
+    if not any_sign and not target.inside(phases(target)):
         raise refusal("a PI", target, spec, phases(target), "")
     size, theta = target.size, target.theta
     return PI(kp=cos(theta) / size, ki=-target.v * sin(theta) / size, dt=plant.dt)

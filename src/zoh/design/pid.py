@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from math import acos, asin, atan, cos, hypot, inf, pi, sin, sqrt
 
 from zoh.design.target import Phases, Response, Target, refusal
+from zoh.lti.forms import time_constant
 from zoh.lti.systems import Sampled
 from zoh.spec import Crossover
 
@@ -49,15 +50,6 @@ class PID:
         return Sampled.from_w(
             num_w=(lead, self.kp + self.ki * tau, self.ki), den_w=(tau, 1.0, 0.0), dt=self.dt
         )
-
-
-def time_constant(filter_pole: float | None, dt: float) -> float:
-    """Return 1/p in s; dt/2 to the last bit where p is 2/dt or is left open.
-
-    >>> time_constant(None, 0.1), time_constant(2 / 0.1, 0.1), time_constant(50.0, 0.1)
-    (0.05, 0.05, 0.02)
-    """
-    return dt / 2 if filter_pole is None or filter_pole == 2 / dt else 1 / filter_pole
 
 
 def phases(target: Target, ki: float, tau: float) -> Phases:
@@ -96,7 +88,10 @@ def room(target: Target, tau: float) -> tuple[float, float] | None:
     return (low, high) if low < high else None
 
 
-def solve(plant: Response, spec: Crossover, ki: float, filter_pole: float | None = None) -> PID:
+def solve(
+    plant: Response, spec: Crossover, ki: float, filter_pole: float | None = None, *,
+    any_sign: bool = False,
+) -> PID:  # fmt: skip
     """Return the PID with this ki whose loop crosses 1 at ``spec.wc`` with ``spec.pm_deg``.
 
     With v, |G| and theta of ``Target``, and x = v/p, p the filter's pole, 2/dt where left open::
@@ -105,13 +100,16 @@ def solve(plant: Response, spec: Crossover, ki: float, filter_pole: float | None
         kp = cos(theta)/|G| - x (sin(theta)/|G| + ki/v)
 
     A proposal: only ``analysis.verify`` says that the loop is stable. Raises SpecError if wc is
-    not below Nyquist, Infeasible if kp or kd would not be positive. ki = 0 gives a PD.
+    not below Nyquist, Infeasible if kp or kd would not be positive, unless they may be of
+    ``any_sign``. ki = 0 gives a PD.
 
     >>> plant = Sampled(num=(1.0,), den=(1.0, -1.0), dt=1.0)
     >>> solve(plant, Crossover(wc=pi / 2, pm_deg=45), ki=1.0)  # theta = 0, v = 2, x = 1
     PID(kp=0.914213..., ki=1.0, kd=0.5..., filter_pole=2.0, dt=1.0)
     """
     target, tau = Target.of(plant, spec), time_constant(filter_pole, plant.dt)
+    if any_sign:
+        return _with_ki(target, ki, filter_pole)
     able = phases(target, ki, tau)
     if not target.inside(able):
         raise refusal(_name(ki), target, spec, able, _no_room(target, tau))

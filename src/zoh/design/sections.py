@@ -15,7 +15,7 @@ from math import pi
 
 from zoh import checks
 from zoh.errors import SpecError
-from zoh.lti.systems import Sampled
+from zoh.lti.systems import Plant, Sampled
 from zoh.lti.wplane import warp
 
 
@@ -37,6 +37,18 @@ class SecondOrder:
             checks.positive(name, getattr(self, name))
         checks.not_negative("zeros_zeta", self.zeros_zeta)
 
+    def in_s(self) -> Plant:
+        """Return the section as a continuous system.
+
+        >>> abs(SecondOrder(zeros_w0=2, zeros_zeta=0, poles_w0=2, poles_zeta=1).in_s().at(2.0))
+        0.0
+        """
+        wz, wp = float(self.zeros_w0), float(self.poles_w0)
+        return Plant(
+            num=((wp / wz) ** 2, 2 * self.zeros_zeta * wp * (wp / wz), wp * wp),
+            den=(1.0, 2 * self.poles_zeta * wp, wp * wp),
+        )
+
     def at_clock(self, dt: float) -> Sampled:
         """Return the section at this sample time; raise SpecError for w0 not below Nyquist."""
         for name in ("zeros_w0", "poles_w0"):
@@ -54,8 +66,9 @@ class SecondOrder:
 def notch(*, w0: float, depth: float = 0.1, width: float = 1.0) -> SecondOrder:
     """Return the notch of gain ``depth`` at w0 rad/s, ``width`` times w0 wide, 1 elsewhere.
 
-    The width is that of its poles, 2 zp; depth 0 silences w0. Raises SpecError unless
-    0 <= depth < 1 and width > 0.
+    The width is that of its poles, 2 zp, in the w-plane: in real frequencies it is narrower by
+    sin(w0 dt)/(w0 dt), next to nothing well below Nyquist's. Depth 0 silences w0. Raises
+    SpecError unless 0 <= depth < 1 and width > 0.
 
     >>> abs(notch(w0=2.0, depth=0.1).at_clock(0.5).at(2.0))
     0.1...

@@ -11,9 +11,10 @@ on digital controller design by frequency response.
 """
 
 from cmath import phase
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from math import ceil, degrees, floor, log10, pi, radians, remainder, tau
+from heapq import merge
+from math import ceil, degrees, floor, log, log10, pi, radians, remainder, tau
 from typing import Protocol
 
 from zoh.errors import Infeasible, SpecError
@@ -23,6 +24,9 @@ from zoh.lti.wplane import warp
 from zoh.spec import Crossover
 
 _CANCELLED = 1e-13  # of its terms: what is left of a polynomial at its own root, in floats
+
+_STEP, _TURN = 0.03, 0.02  # of a frequency, and rad a sample: between two that are tried
+_LEAST = 8e-4  # of wc: the slowest that is tried
 
 Phases = tuple[float, float] | None  # an open interval in rad, None where a law can give nothing
 
@@ -36,6 +40,17 @@ class Response(Protocol):
 
     def at(self, wc: float, /) -> complex:
         """Return the gain at wc in rad/s."""
+
+
+class Opposite:
+    """A plant that answers the other way round, for a law whose gains are all negative."""
+
+    def __init__(self, plant: Response) -> None:
+        self._plant, self.dt = plant, plant.dt
+
+    def at(self, wc: float, /) -> complex:
+        """Return the gain at wc in rad/s."""
+        return -self._plant.at(wc)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -111,20 +126,32 @@ def _span(phases: tuple[float, float]) -> str:
     return " to ".join(f"{degrees(end):+.4g}" if abs(end) > 1e-9 else "0" for end in phases)
 
 
-def nearest(works: Callable[[float], bool], wc: float, dt: float) -> float | None:
+def nearest(works: Callable[[float], bool], wc: float, dt: float, late: int = 0) -> float | None:
     """Return the frequency nearest to wc (in log) at which ``works`` says yes, None if nowhere.
 
-    Looked for from wc outwards, 3 % at a time down to wc/1000 and up to Nyquist's frequency;
-    the edge is then closed in on, and left on its working side by rounding to seven digits, so
-    that what is printed works too.
+    Looked for from wc outwards down to wc/1000 and up to Nyquist's frequency, 3 % at a time, less
+    where the hold and ``late`` samples of delay turn faster; the edge is then closed in on, and
+    left on its working side by rounding to seven digits, so that what is printed works too.
     """
-    top = pi / dt
-    for step in range(1, 240):
-        for side in (-1, 1):
-            probe = wc * 1.03 ** (side * step)
-            if probe < top and works(probe):
-                return _edge(works, wc * 1.03 ** (side * (step - 1)), probe)
+    turn = _TURN / (dt * (1 + late / 4))
+    sides = (_outwards(wc, side, turn, pi / dt) for side in (-1, 1))
+    for _, probe, before in merge(*sides):
+        if works(probe):
+            return _edge(works, before, probe)
     return None
+
+
+def _outwards(
+    wc: float, side: int, turn: float, top: float
+) -> Iterator[tuple[float, float, float]]:
+    """Yield (how far in log, the frequency, the one before it) on one side of wc."""
+    before = wc
+    while True:
+        probe = before * (1 + min(_STEP, turn / before)) ** side
+        if not wc * _LEAST < probe < top:
+            return
+        yield abs(log(probe / wc)), probe, before
+        before = probe
 
 
 def _edge(works: Callable[[float], bool], bad: float, good: float) -> float:

@@ -17,6 +17,17 @@ from typing import Any
 
 from zoh.lti.written import number
 
+_RINGS = 3.0  # times 2/dt: from there on a pole is below z = -1/2
+
+
+def time_constant(filter_pole: float | None, dt: float) -> float:
+    """Return 1/p in s; dt/2 to the last bit where p is 2/dt or is left open.
+
+    >>> time_constant(None, 0.1), time_constant(2 / 0.1, 0.1), time_constant(50.0, 0.1)
+    (0.05, 0.05, 0.02)
+    """
+    return dt / 2 if filter_pole is None or filter_pole == 2 / dt else 1 / filter_pole
+
 
 def forms(gains: Mapping[str, float]) -> dict[str, Any]:
     """Return each form by name, None where it does not exist, and why; {} for other gains.
@@ -57,6 +68,20 @@ def sentences(gains: Mapping[str, float]) -> list[str]:
         )
         lines.append(f"{name} form: {shown}")
     return lines
+
+
+def ringing(gains: Mapping[str, float], dt: float) -> list[str]:
+    """Return a line where the derivative's pole is so fast that it rings from sample to sample.
+
+    >>> ringing({"kp": 1.0, "kd": 1.0, "filter_pole": 380.0}, 0.1)
+    ['filter_pole = 380 is far above 2/dt = 20: its pole at z = -0.9 rings at every sample']
+    """
+    half = gains.get("filter_pole", 0.0) * dt / 2
+    if not half > _RINGS:
+        return []
+    pole = (1 - half) / (1 + half)
+    said = f"filter_pole = {gains['filter_pole']:g} is far above 2/dt = {2 / dt:g}"
+    return [f"{said}: its pole at z = {pole:.4g} rings at every sample"]
 
 
 def _series(

@@ -8,9 +8,9 @@ from fractions import Fraction
 
 import numpy as np
 
-from zoh.lti import poly
+from zoh.lti import digits, poly
 from zoh.lti.poly import ComplexArray
-from zoh.lti.rational import Unreadable, common
+from zoh.lti.rational import Unreadable, common, divided
 from zoh.lti.systems import Plant
 
 
@@ -26,3 +26,21 @@ def hidden_modes(plant: Plant) -> ComplexArray:
     except Unreadable:  # digits that share nothing exactly grow until they are refused
         return np.zeros(0, complex)
     return poly.roots([float(c / shared[0]) for c in shared]).astype(complex)
+
+
+def unstable_hidden(plant: Plant) -> list[complex]:
+    """Return the hidden modes on the imaginary axis or to its right, in rad/s."""
+    return [complex(s) for s in hidden_modes(plant).tolist() if s.real >= 0]
+
+
+def without_hidden(plant: Plant) -> Plant:
+    """Return the plant of the same gain everywhere whose num and den share nothing.
+
+    >>> without_hidden(Plant.parse("(s-1)/((s-1)(s+2))")).den
+    (1.0, 2.0)
+    """
+    num, den = (tuple(Fraction(c) for c in a) for a in plant.exact)
+    shared = common(den, num)
+    shared = tuple(c / shared[0] for c in shared)
+    top, bottom = (digits.exact(divided(a, shared)) for a in (num, den))
+    return Plant.from_exact(top, bottom, dead_time=plant.dead_time, sensor=plant.sensor)

@@ -51,7 +51,7 @@ class Rational:
                 "exp() is a factor of the whole formula; a sum of delays is no rational plant",
             )
         shared = common(self.den, other.den)
-        mine, others = _divided(other.den, shared), _divided(self.den, shared)
+        mine, others = divided(other.den, shared), divided(self.den, shared)
         num = _sum(_product(self.num, mine), _product(other.num, others), sign)
         return _value(num, _product(self.den, mine), self.delay)
 
@@ -131,7 +131,7 @@ def common(a: Coefficients, b: Coefficients) -> Coefficients:
     return tuple(c * lead / a[0] for c in a)
 
 
-def _divided(a: Coefficients, b: Coefficients) -> Coefficients:
+def divided(a: Coefficients, b: Coefficients) -> Coefficients:
     """Return a/b where b divides a."""
     return _divmod(a, b)[0]
 

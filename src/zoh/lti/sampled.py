@@ -165,6 +165,15 @@ class Sampled:
             rounded=self.rounded + other.rounded,
         )
 
+    def corners(self) -> npt.NDArray[np.float64]:
+        """Return the sizes of the zeros and poles in w that are not 0, in rad/s.
+
+        >>> Sampled.from_w(num_w=[1.0, 3.0], den_w=[1.0, 0.5, 0.0], dt=0.1).corners().tolist()
+        [3.0, 0.5]
+        """
+        sizes = np.abs(np.concatenate([poly.roots(self.num_w), poly.roots(self.den_w)]))
+        return np.asarray(sizes[sizes > 0])
+
     def poles(self) -> ComplexArray:
         """Return the poles in z, those of the delay at 0 included."""
         return np.concatenate([_in_z(self.den_w, self.dt), np.zeros(self.delay)])

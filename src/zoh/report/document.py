@@ -107,5 +107,6 @@ def response(
         reference=d.reference if reference is None else reference,
         t_end=t_end,
         per_sample=per_sample,
+        feedforward=d.feedforward,
     )
     return fig.Response(name=d.name if name is None else name, law=d.law, trace=found)

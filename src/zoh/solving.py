@@ -1,0 +1,209 @@
+"""A law solved by name, and whether a measured loop has what it was solved for."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from zoh.analysis.results import Margins
+from zoh.analysis.tabled.margins import Seen
+from zoh.design import first_order, leadlag
+from zoh.design import p as p_law
+from zoh.design import pi as pi_law
+from zoh.design import pid as pid_law
+from zoh.design.target import Opposite, Response, Target
+from zoh.errors import Infeasible, SpecError
+from zoh.lti.systems import Sampled
+from zoh.request import NEGATIVE_GAINS, SPARE, UNDER_MS, UNSTABLE_CONTROLLERS
+from zoh.spare import Cost, Line, largest_ki, least_iae, some_ki
+from zoh.spec import Crossover
+
+_MARGIN_TOL_DEG = 1e-9  # the promise of this library; the closed forms reach some 1e-13
+_CROSSOVER_TOL = 1e-9  # relative
+_SIGNED = ("kp", "ki", "kd", "dc_gain")  # what changes its sign with the controller
+
+
+class Law(Protocol):
+    """A solved law, whichever it is."""
+
+    @property
+    def gains(self) -> Mapping[str, float]:
+        """Return the gains by name."""
+
+    def controller(self) -> Sampled:
+        """Return the law in z and in w."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SolvedLaw:
+    """The controller of a solved law and its gains by name."""
+
+    controller: Sampled
+    gains: Mapping[str, float]
+
+    def opposite(self) -> "SolvedLaw":
+        """Return the same with all gains of the other sign."""
+        gains = {k: -v if k in _SIGNED else v for k, v in self.gains.items()}
+        return SolvedLaw(controller=_negated(self.controller), gains=gains)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Asked:
+    """What a law is solved for: a plant, a crossover, the law's own parameters.
+
+    iae    what ``least_iae_ms`` makes least; without it a PID under that Ms is any such
+    allow  what of ``zoh.request.ALLOWABLE`` is allowed
+    """
+
+    plant: Response
+    spec: Crossover
+    parameters: Mapping[str, float]
+    iae: Cost | None = None
+    allow: frozenset[str] = field(default=frozenset())
+
+    @property
+    def any_sign(self) -> bool:
+        """Return whether gains may be negative."""
+        return NEGATIVE_GAINS in self.allow
+
+    @property
+    def any_pole(self) -> bool:
+        """Return whether the controller may be unstable."""
+        return UNSTABLE_CONTROLLERS in self.allow
+
+    def opposite(self) -> "Asked":
+        """Return what a law of the other sign has to solve: all of it for the plant's opposite."""
+        iae, plant = self.iae, self.plant
+        back = _negated(plant) if isinstance(plant, Sampled) else Opposite(plant)
+        parameters = {k: -v if k in _SIGNED else v for k, v in self.parameters.items()}
+        turned = None if iae is None else lambda controller: iae(_negated(controller))
+        return Asked(plant=back, spec=self.spec, parameters=parameters, iae=turned)
+
+
+def solved(
+    law: str, sampled: Response, spec: Crossover, parameters: Mapping[str, float],
+    iae: Cost | None = None, allow: frozenset[str] = frozenset(),
+) -> SolvedLaw:  # fmt: skip
+    """Return the law of this name solved at the crossover; raise Infeasible where it cannot be.
+
+    ``iae`` and ``allow`` as in ``Asked``. Raises SpecError where the gains it would need are
+    beyond a float.
+    """
+    asked = Asked(plant=sampled, spec=spec, parameters=parameters, iae=iae, allow=allow)
+    try:
+        return _solved(law, asked)
+    except (OverflowError, ZeroDivisionError):
+        raise SpecError(
+            "wc", "must be where a float can hold the gains", spec.wc, "use other units"
+        ) from None
+
+
+def _solved(law: str, asked: Asked) -> SolvedLaw:
+    if asked.parameters.get("dc_gain", 1.0) < 0:
+        return _named(law, asked.opposite()).opposite()
+    try:
+        return _named(law, asked)
+    except Infeasible:
+        spare = [name for name in SPARE if name in asked.parameters]
+        if not asked.any_sign or law != "pid" or spare == ["ki"]:
+            raise
+        return _named(law, asked.opposite()).opposite()
+
+
+def _named(law: str, asked: Asked) -> SolvedLaw:
+    found = _LAWS[law](asked)
+    gains = {k: v for k, v in found.gains.items() if law != "pd" or k != "ki"}
+    return SolvedLaw(controller=found.controller(), gains=gains)
+
+
+def _p(a: Asked) -> Law:
+    return p_law.solve(a.plant, a.spec, any_sign=a.any_sign)
+
+
+def _pi(a: Asked) -> Law:
+    return pi_law.solve(a.plant, a.spec, any_sign=a.any_sign)
+
+
+def _pd(a: Asked) -> Law:
+    return pid_law.solve(a.plant, a.spec, 0.0, a.parameters.get("filter_pole"), any_sign=a.any_sign)
+
+
+def _pid(a: Asked) -> Law:
+    """Return the PID with its spare freedom closed as the parameters say."""
+    pole = a.parameters.get("filter_pole")
+    if "ti_td" in a.parameters:
+        return pid_law.solve_ratio(a.plant, a.spec, a.parameters["ti_td"], pole)
+    for how in UNDER_MS:
+        if how in a.parameters:
+            line = Line.of(
+                a.plant, a.spec, a.parameters[how], pole, lambda m: not off_target(m, a.spec)
+            )
+            if how == "largest_ki_ms":
+                return largest_ki(line)
+            return least_iae(line, a.iae) if a.iae else some_ki(line)
+    return pid_law.solve(a.plant, a.spec, a.parameters["ki"], pole, any_sign=a.any_sign)
+
+
+def _lag(a: Asked) -> Law:
+    gain = a.parameters["dc_gain"]
+    return first_order.lag(a.plant, a.spec, gain, any_sign=a.any_sign, any_pole=a.any_pole)
+
+
+def _lead(a: Asked) -> Law:
+    gain = a.parameters["dc_gain"]
+    return first_order.lead(a.plant, a.spec, gain, any_sign=a.any_sign, any_pole=a.any_pole)
+
+
+def _textbook_lag(a: Asked) -> Law:
+    return first_order.textbook_lag(a.plant, a.spec.wc, a.parameters["dc_gain"])
+
+
+def _leadlag(a: Asked) -> Law:
+    corner, ratio = a.parameters.get("lag_corner"), a.parameters.get("lag_ratio")
+    return leadlag.solve(a.plant, a.spec, a.parameters["dc_gain"], corner, ratio)
+
+
+_LAWS: Mapping[str, Callable[[Asked], Law]] = {
+    "p": _p,
+    "pi": _pi,
+    "pd": _pd,
+    "pid": _pid,
+    "lag": _lag,
+    "textbook_lag": _textbook_lag,
+    "lead": _lead,
+    "leadlag": _leadlag,
+}
+
+
+def by_gain_alone(plant: Response, wc: float) -> SolvedLaw:
+    """Return the P that crosses over at wc in rad/s, with whatever margin the plant has there."""
+    law = p_law.P(kp=1 / Target.of(plant, Crossover(wc=wc, pm_deg=90.0)).size, dt=plant.dt)
+    return SolvedLaw(controller=law.controller(), gains=law.gains)
+
+
+def off_target(m: Margins | Seen, spec: Crossover) -> bool:
+    """Return whether the margin nearest to zero is another one than was asked for."""
+    return (
+        m.crossover is None
+        or abs(m.phase_margin_deg - spec.pm_deg) > _MARGIN_TOL_DEG
+        or abs(m.crossover / spec.wc - 1) > _CROSSOVER_TOL
+    )
+
+
+def not_as_asked(m: Margins, spec: Crossover | None) -> list[str]:
+    """Return what is not as the crossover was asked for; instability speaks for itself."""
+    if spec is None or not m.stable or not off_target(m, spec):
+        return []
+    at = "no frequency" if m.crossover is None else f"{m.crossover:.6g} rad/s"
+    wanted = f"{spec.pm_deg:g} deg at {spec.wc:g} rad/s"
+    measured = f"the phase margin is {m.phase_margin_deg:.6g} deg at {at}"
+    exact = [w for w, _ in m.gain_crossings if abs(w / spec.wc - 1) <= _CROSSOVER_TOL]
+    if exact:  # it does cross over where it should: somewhere else the margin is smaller
+        return [f"{measured}, another crossover of this loop, not {wanted}"]
+    return [f"{measured}, not {wanted}: the loop does not cross over there"]
+
+
+def _negated(system: Sampled) -> Sampled:
+    return Sampled.from_w(
+        num_w=tuple(-c for c in system.num_w), den_w=system.den_w, dt=system.dt,
+        delay=system.delay, rounded=system.rounded,
+    )  # fmt: skip

@@ -1,0 +1,110 @@
+"""What else may be left open: lead-lags, a PID under a bound on Ms, beside fixed sections."""
+
+import pytest
+
+import zoh
+from zoh.choice.choose import FROM_THE_SIMPLEST
+
+ARM = zoh.Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
+ASKED = zoh.Requirements(pm_deg=50, ms=1.6)
+
+
+def test_a_plant_without_a_gain_at_rest_is_refused_before_any_search():
+    asked = []
+    with pytest.raises(zoh.Infeasible, match="the plant has no gain at rest"):
+        zoh.design(zoh.Plant.parse("s/(s+1)^2"), "auto", {}, dt=0.05, progress=asked.append)
+    assert asked == []
+    # where no error at rest is asked for it is a plant like any other
+    loose = zoh.Requirements(ms=1.7)
+    d = zoh.pd(zoh.Plant.parse("s/(s+1)^2"), dt=0.05, requirements=loose)
+    assert d.step.final_value == 0.0
+
+
+def test_what_cannot_come_to_no_error_is_not_searched():
+    said = []
+    asked = zoh.Requirements(ms=1.7, steady_state_error=0.0)
+    with pytest.raises(zoh.Infeasible, match="neither the law nor the plant integrates"):
+        zoh.design(
+            zoh.Plant(num=[1], den=[1, 1]), "lead", {}, dt=0.1, requirements=asked,
+            progress=said.append,
+        )  # fmt: skip
+    assert said == []
+
+
+def test_a_search_says_where_it_is():
+    said = []
+    zoh.design(ARM, "pi", {}, dt=0.1, requirements=ASKED, progress=said.append)
+    assert len(said) > 10
+    assert all(s.startswith("pi: is everything met at ") for s in said)
+    assert len(set(said)) == len(said)
+
+
+@pytest.mark.parametrize("how", ["largest_ki_ms", "least_iae_ms"])
+@pytest.mark.parametrize("given", [{}, {"pm_deg": 50}, {"wc": 2.0}])
+def test_a_bound_on_ms_closes_the_ki_of_what_is_chosen(how, given):
+    d = zoh.pid(ARM, dt=0.1, **given, **{how: 1.6})
+    assert d.margins.ms <= 1.6 * (1 + 1e-9)
+    assert "ki" not in d.choice.open
+    for name in ("wc", "pm_deg"):
+        assert (name in d.choice.open) == (name not in given)
+    at = {"wc": d.margins.crossover, "pm_deg": d.margins.phase_margin_deg}
+    named = zoh.pid(ARM, dt=0.1, **at, **{how: 1.6})
+    # 1e-6: the crossover measured is the one asked for to 1e-12, and least_iae is flat
+    assert named.gains["ki"] == pytest.approx(d.gains["ki"], rel=1e-6)
+    if how == "largest_ki_ms" and "wc" not in given:
+        free = zoh.pid(ARM, dt=0.1, **given, requirements=zoh.Requirements(ms=1.6))
+        assert d.margins.crossover == pytest.approx(free.margins.crossover, rel=2e-3)  # 0.1 %
+
+
+def test_a_lead_lag_is_as_fast_as_a_grid_over_its_parameters_says():
+    d = zoh.leadlag(ARM, dt=0.1, requirements=ASKED, lag_ratio=4.0)
+    wc = d.margins.crossover
+    assert d.margins.ms <= 1.6 * (1 + 1e-9)
+    assert d.gains["lag_zero"] / d.gains["lag_pole"] == pytest.approx(4.0, rel=1e-12)
+    faster = []
+    for k in range(1, 12):
+        for pm_deg in (50.0, 53.0, 57.0, 62.0):
+            for dc_gain in (0.3, 0.6, 1.0, 1.5, 2.0, 3.0, 5.0, 8.0, 13.0):
+                given = {"wc": wc * 1.005**k, "pm_deg": pm_deg, "dc_gain": dc_gain}
+                try:
+                    other = zoh.leadlag(ARM, dt=0.1, lag_ratio=4.0, requirements=ASKED, **given)
+                except zoh.ZohError:
+                    continue
+                if other.gains["lead_zero"] > other.gains["lag_zero"]:  # v/10: no slower zero
+                    faster.append(given)
+    assert faster == []
+
+
+def test_a_choice_counts_with_what_stands_in_series():
+    notch = zoh.notch(w0=8.0, depth=0.1)
+    asked = zoh.Requirements(pm_deg=50, ms=1.6, overshoot_pct=30.0)
+    d = zoh.pd(ARM, dt=0.1, requirements=asked, sections=[notch])
+    plain = zoh.pd(ARM, dt=0.1, requirements=asked)
+    assert d.margins.crossover < 0.9 * plain.margins.crossover  # a notch takes phase
+    assert abs(d.controller.at(8.0) / (d.controller.at(8.0 * 1.5))) < 0.2
+    again = zoh.measure(ARM, d.controller, requirements=asked)
+    assert again.misses == ()
+    for faster in (1.002, 1.01):
+        with pytest.raises(zoh.ZohError):
+            zoh.pd(
+                ARM, dt=0.1, wc=faster * d.margins.crossover, pm_deg=d.margins.phase_margin_deg,
+                requirements=asked, sections=[notch],
+            )  # fmt: skip
+
+
+def test_auto_comes_to_a_lead_lag_last():
+    # a plant without a gain at rest lets no law through, and all of them are named in their order
+    with pytest.raises(zoh.Infeasible, match="no law meets everything"):
+        zoh.design(zoh.Plant.parse("s/(s+1)"), "auto", {}, dt=0.1)
+    assert FROM_THE_SIMPLEST == ("p", "pi", "pd", "lead", "lag", "pid", "leadlag")
+
+
+def test_a_margin_that_alone_makes_the_peak_too_high_is_not_searched():
+    said = []
+    # |1 + L| is 2 sin(pm/2) at the crossover: 1/(2 sin 20 deg) = 1.4619
+    with pytest.raises(zoh.Infeasible, match=r"ms must be at most 1\.4, .* alone makes it 1\.4619"):
+        zoh.design(
+            ARM, "auto", {"pm_deg": 40.0}, dt=0.1, requirements=zoh.Requirements(ms=1.4),
+            progress=said.append,
+        )  # fmt: skip
+    assert said == []
