@@ -1,0 +1,128 @@
+"""The laws of ``zoh.design``, solved for many crossovers at once.
+
+Everything is in p = w dt/2, so that v dt/2 = tan(wc dt/2) =: x. The formulas are those of the
+design modules, which name their sources; a law that cannot be solved gives no gains and says so.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
+_SAME = 1e-12  # rad; a P turns the phase by nothing, but for rounding
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Wanted:
+    """What a law must do at the crossover, one entry a loop.
+
+    size, theta  |G| there, and the phase in (-pi, pi] that the law must give
+    x            tan(wc dt/2);  dt  s
+    """
+
+    size: Array
+    theta: Array
+    x: Array
+    dt: Array
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Solved:
+    """num, den in p, rows of ascending powers; the gains by name; where there are any."""
+
+    num: Array
+    den: Array
+    gains: Mapping[str, Array]
+    able: Mask
+
+
+def wanted(g: npt.NDArray[np.complex128], pm_deg: Array, x: Array, dt: Array) -> Wanted:
+    """Return what makes up the gain and the margin of the plant's complex gains ``g``."""
+    turn = np.radians(pm_deg - 180.0) - np.angle(g)
+    theta = turn - 2 * pi * np.round(turn / (2 * pi))
+    return Wanted(size=np.abs(g), theta=theta, x=x, dt=dt)
+
+
+def p(at: Wanted, _: Mapping[str, Array]) -> Solved:
+    """Return kp = 1/|G| where the plant alone has the margin."""
+    kp = 1 / at.size
+    able = np.abs(at.theta) < _SAME
+    return Solved(num=kp[None, :], den=np.ones((1, len(kp))), gains={"kp": kp}, able=able)
+
+
+def pi_(at: Wanted, _: Mapping[str, Array]) -> Solved:
+    """Return kp = cos(theta)/|G|, ki = -v sin(theta)/|G|."""
+    kp, share = np.cos(at.theta) / at.size, -at.x * np.sin(at.theta) / at.size
+    return Solved(
+        num=np.stack([share, kp]),
+        den=np.stack([np.zeros_like(kp), np.ones_like(kp)]),
+        gains={"kp": kp, "ki": share * (2 / at.dt)},
+        able=(at.theta > -pi / 2) & (at.theta < 0),
+    )
+
+
+def pd(at: Wanted, given: Mapping[str, Array]) -> Solved:
+    """Return the PID of no integral gain."""
+    found = pid(at, {**given, "ki": np.zeros_like(at.size)})
+    gains = {name: gain for name, gain in found.gains.items() if name != "ki"}
+    return Solved(num=found.num[1:], den=found.den[1:], gains=gains, able=found.able)
+
+
+def pid(at: Wanted, given: Mapping[str, Array]) -> Solved:
+    """Return kp, kd of the given ki; the filter's pole is ``filter_pole``, or 2/dt."""
+    ki, half = given["ki"], at.dt / 2
+    lag = 1 / (given["filter_pole"] * half) if "filter_pole" in given else np.ones_like(half)
+    x, share = at.x * lag, ki * half  # ki/w is share/p
+    cos, sin = np.cos(at.theta), np.sin(at.theta)
+    k = share * at.size / at.x
+    reach = x * k / np.hypot(1.0, x)
+    with np.errstate(invalid="ignore"):
+        low = np.where(k < 1, -np.arcsin(k), -pi)
+        bend = np.arccos(reach) - np.arctan(x)
+    low = np.maximum(low, -np.arccos(np.minimum(reach, 1.0)) - np.arctan(x))
+    imaginary = sin / at.size + share / at.x
+    kp, rate = cos / at.size - x * imaginary, imaginary * (1 + x * x) / at.x
+    return Solved(
+        num=np.stack([share, kp + share * lag, kp * lag + rate]),
+        den=np.stack([np.zeros_like(kp), np.ones_like(kp), lag]),
+        gains={"kp": kp, "ki": ki, "kd": rate * half, "filter_pole": 1 / (lag * half)},
+        able=(reach < 1) & (at.theta > low) & (at.theta < bend),
+    )
+
+
+def lag(at: Wanted, given: Mapping[str, Array]) -> Solved:
+    """Return the lag of this gain at w = 0."""
+    ratio = given["dc_gain"] * at.size
+    with np.errstate(invalid="ignore"):
+        able = (ratio > 1) & (at.theta > -np.arccos(1 / ratio)) & (at.theta < 0)
+    return _section(at, given["dc_gain"], able)
+
+
+def lead(at: Wanted, given: Mapping[str, Array]) -> Solved:
+    """Return the lead of this gain at w = 0."""
+    ratio = given["dc_gain"] * at.size
+    with np.errstate(invalid="ignore"):
+        able = (ratio < 1) & (at.theta > 0) & (at.theta < np.arccos(ratio))
+    return _section(at, given["dc_gain"], able)
+
+
+def _section(at: Wanted, dc_gain: Array, able: Mask) -> Solved:
+    ratio, turn = dc_gain * at.size, at.x * np.sin(at.theta)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        zero, pole = turn / (1 / ratio - np.cos(at.theta)), turn / (np.cos(at.theta) - ratio)
+        num = np.stack([dc_gain, dc_gain / zero])
+        den = np.stack([np.ones_like(pole), 1 / pole])
+    rate = 2 / at.dt
+    return Solved(
+        num=num, den=den, gains={"dc_gain": dc_gain, "w0": zero * rate, "wp": pole * rate}, able=able
+    )
+
+
+LAWS: Mapping[str, Callable[[Wanted, Mapping[str, Array]], Solved]] = {
+    "p": p, "pi": pi_, "pd": pd, "pid": pid, "lag": lag, "lead": lead,
+}  # fmt: skip
+"""Every law of a batch, by name."""
