@@ -33,11 +33,19 @@ _SLOW, _EULER_TERMS = 1.5, 40  # the reach of the series at z = -1: (1.5/pi)^40 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Held:
-    """num, den in p = w dt/2, rows of ascending powers; delay in whole samples beside them."""
+    """num, den in p = w dt/2, rows of ascending powers; delay in whole samples beside them.
+
+    The same in time, u being the input ``delay`` samples ago: x moves by delta x + before u +
+    after (u of one sample later - u), the output is x_0 + direct u. delta has the shape (n, n, B).
+    """
 
     num: Array
     den: Array
     delay: npt.NDArray[np.int64]
+    delta: Array
+    before: Array
+    after: Array
+    direct: Array
 
 
 def held(num: Array, den: Array, dt: Array, delay: npt.NDArray[np.int64], lead: Array) -> Held:
@@ -57,7 +65,11 @@ def held(num: Array, den: Array, dt: Array, delay: npt.NDArray[np.int64], lead: 
     direct = b[n].copy()
     b = b[:n] - direct * a[:n]
     if not n:
-        return Held(num=direct[None, :], den=np.ones((1, len(dt))), delay=delay)
+        none = np.zeros((0, len(dt)))
+        return Held(
+            num=direct[None, :], den=np.ones((1, len(dt))), delay=delay, direct=direct,
+            delta=none[None, :0], before=none, after=none,
+        )  # fmt: skip
     reach = _reach(a)
     halvings = _halvings(reach)
     h = _markov(a, b, max(_TERMS + n, _EULER_TERMS) + 1)
@@ -69,7 +81,10 @@ def held(num: Array, den: Array, dt: Array, delay: npt.NDArray[np.int64], lead: 
     if slow.any():
         at_nyquist = _at_nyquist(h[:, slow], lead[slow])
         top[n, slow] = at_nyquist * bottom[n, slow]
-    return Held(num=top + direct * bottom, den=bottom, delay=delay)
+    return Held(
+        num=top + direct * bottom, den=bottom, delay=delay,
+        delta=delta, before=before, after=after, direct=direct,
+    )  # fmt: skip
 
 
 def _reach(a: Array) -> Array:

@@ -32,10 +32,16 @@ class Wanted:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Solved:
-    """num, den in p, rows of ascending powers; the gains by name; where there are any."""
+    """num, den in p, rows of ascending powers; the gains by name; where there are any.
+
+    The same controller at the samples is direct + sum residues/(z - 1 + poles), rows alike.
+    """
 
     num: Array
     den: Array
+    direct: Array
+    poles: Array
+    residues: Array
     gains: Mapping[str, Array]
     able: Mask
 
@@ -51,15 +57,22 @@ def p(at: Wanted, _: Mapping[str, Array]) -> Solved:
     """Return kp = 1/|G| where the plant alone has the margin."""
     kp = 1 / at.size
     able = np.abs(at.theta) < _SAME
-    return Solved(num=kp[None, :], den=np.ones((1, len(kp))), gains={"kp": kp}, able=able)
+    none = np.zeros((0, len(kp)))
+    return Solved(
+        num=kp[None, :], den=np.ones((1, len(kp))), direct=kp, poles=none, residues=none,
+        gains={"kp": kp}, able=able,
+    )  # fmt: skip
 
 
 def pi_(at: Wanted, _: Mapping[str, Array]) -> Solved:
-    """Return kp = cos(theta)/|G|, ki = -v sin(theta)/|G|."""
+    """Return kp = cos(theta)/|G|, ki = -v sin(theta)/|G|; 1/p is 1 + 2/(z - 1)."""
     kp, share = np.cos(at.theta) / at.size, -at.x * np.sin(at.theta) / at.size
     return Solved(
         num=np.stack([share, kp]),
         den=np.stack([np.zeros_like(kp), np.ones_like(kp)]),
+        direct=kp + share,
+        poles=np.zeros((1, len(kp))),
+        residues=2 * share[None, :],
         gains={"kp": kp, "ki": share * (2 / at.dt)},
         able=(at.theta > -pi / 2) & (at.theta < 0),
     )
@@ -69,11 +82,17 @@ def pd(at: Wanted, given: Mapping[str, Array]) -> Solved:
     """Return the PID of no integral gain."""
     found = pid(at, {**given, "ki": np.zeros_like(at.size)})
     gains = {name: gain for name, gain in found.gains.items() if name != "ki"}
-    return Solved(num=found.num[1:], den=found.den[1:], gains=gains, able=found.able)
+    return Solved(
+        num=found.num[1:], den=found.den[1:], direct=found.direct, poles=found.poles[1:],
+        residues=found.residues[1:], gains=gains, able=found.able,
+    )  # fmt: skip
 
 
 def pid(at: Wanted, given: Mapping[str, Array]) -> Solved:
-    """Return kp, kd of the given ki; the filter's pole is ``filter_pole``, or 2/dt."""
+    """Return kp, kd of the given ki; the filter's pole is ``filter_pole``, or 2/dt.
+
+    With c = 1/(1 + lag), p/(1 + lag p) is c - 2 c^2/(z - 1 + 2 c).
+    """
     ki, half = given["ki"], at.dt / 2
     lag = 1 / (given["filter_pole"] * half) if "filter_pole" in given else np.ones_like(half)
     x, share = at.x * lag, ki * half  # ki/w is share/p
@@ -86,9 +105,13 @@ def pid(at: Wanted, given: Mapping[str, Array]) -> Solved:
     low = np.maximum(low, -np.arccos(np.minimum(reach, 1.0)) - np.arctan(x))
     imaginary = sin / at.size + share / at.x
     kp, rate = cos / at.size - x * imaginary, imaginary * (1 + x * x) / at.x
+    c = 1 / (1 + lag)
     return Solved(
         num=np.stack([share, kp + share * lag, kp * lag + rate]),
         den=np.stack([np.zeros_like(kp), np.ones_like(kp), lag]),
+        direct=kp + share + rate * c,
+        poles=np.stack([np.zeros_like(kp), 2 * c]),
+        residues=np.stack([2 * share, -2 * rate * c * c]),
         gains={"kp": kp, "ki": ki, "kd": rate * half, "filter_pole": 1 / (lag * half)},
         able=(reach < 1) & (at.theta > low) & (at.theta < bend),
     )
@@ -111,15 +134,20 @@ def lead(at: Wanted, given: Mapping[str, Array]) -> Solved:
 
 
 def _section(at: Wanted, dc_gain: Array, able: Mask) -> Solved:
+    """Return a0 (1 + p/z)/(1 + p/q): with c = 1/(1 + 1/q), h + (a0 - h) 2 c/(z - 1 + 2 c)."""
     ratio, turn = dc_gain * at.size, at.x * np.sin(at.theta)
     with np.errstate(divide="ignore", invalid="ignore"):
         zero, pole = turn / (1 / ratio - np.cos(at.theta)), turn / (np.cos(at.theta) - ratio)
         num = np.stack([dc_gain, dc_gain / zero])
         den = np.stack([np.ones_like(pole), 1 / pole])
+        c = 1 / (1 + den[1])
+        far = (num[0] + num[1]) * c
     rate = 2 / at.dt
     return Solved(
-        num=num, den=den, gains={"dc_gain": dc_gain, "w0": zero * rate, "wp": pole * rate}, able=able
-    )
+        num=num, den=den, direct=far, poles=2 * c[None, :],
+        residues=((dc_gain - far) * 2 * c)[None, :],
+        gains={"dc_gain": dc_gain, "w0": zero * rate, "wp": pole * rate}, able=able,
+    )  # fmt: skip
 
 
 LAWS: Mapping[str, Callable[[Wanted, Mapping[str, Array]], Solved]] = {

@@ -1,0 +1,384 @@
+"""The metrics of many step responses at once, at the samples.
+
+Every sample is looked at while a mode lives that turns by more than a quarter of a radian in two
+of them; then every second, every fourth, ..., the matrices being squared. What was met at a long
+stride is closed in on by halving. A response is left where one mode, or one pair, is alone and
+cannot leave the band any more.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from math import inf, log
+
+import numpy as np
+import numpy.typing as npt
+
+from zoh.batch.motion import Motion
+from zoh.batch.rows import Array, Mask
+
+_GONE = 20.0  # exp(-20) of what it was does not say where to look
+_TURN = 0.25  # rad
+_BAND = 0.02
+_NEAR = 0.9  # of the band: what is alone and inside this stays inside
+_CREST = 0.98  # of the band: between samples at a long stride it may be left
+_RISE = (0.1, 0.9)
+_BLOCK = 32  # samples between two looks at which loops are done
+_QUIET = log(1e8)  # the slowest mode is followed until it has fallen so far
+_STILL = log(1e4)  # of it is little enough to speak of rest
+_NOTHING = 1e-10  # an overshoot below this part of the final value is rounding
+_LEVELS = 40
+_MOST = 4096  # samples at one stride after which a loop is left to the careful road
+
+Index = npt.NDArray[np.int64]
+
+
+@dataclass(slots=True, kw_only=True)
+class Seen:
+    """What was seen of each loop, y counted in the direction of its final value.
+
+    k_*  samples: of the highest, of those first reaching 10 % and 90 %, of the last outside the
+    band, of the last crest just inside it; stride_* the stride at which it was met
+    """
+
+    top: Array
+    bottom: Array
+    most: Array
+    least: Array
+    k_top: Array
+    k_most: Array
+    k_least: Array
+    k_10: Array
+    k_90: Array
+    k_out: Array
+    k_near: Array
+    stride_top: Array
+    stride_most: Array
+    stride_least: Array
+    stride_10: Array
+    stride_90: Array
+    stride_out: Array
+    stride_near: Array
+
+    @classmethod
+    def of(cls, count: int) -> "Seen":
+        """Return what is seen before anything is."""
+        start = {"top": -inf, "bottom": inf, "most": -inf, "least": inf}
+        return cls(**{f.name: np.full(count, start.get(f.name, -1.0)) for f in fields(cls)})
+
+
+def step_metrics(
+    motion: Motion, decay: Array, turn: Array, dt: Array
+) -> tuple[dict[str, Array], Mask]:
+    """Return (the metrics by name, which loops had better be measured one by one).
+
+    decay, turn  of each mode, per sample: see ``motion.rates``
+    """
+    size = np.abs(motion.final)
+    sign = np.where(motion.final < 0, -1.0, 1.0)
+    seen, doubt = _followed(motion, sign, size, decay, turn)
+    _closed_in(motion, sign, size, seen)
+    over, under = seen.top / size - 1, -seen.bottom / size
+    most, least = np.maximum(seen.most, motion.at_rest), np.minimum(seen.least, motion.at_rest)
+    return {
+        "overshoot_pct": np.where(over > _NOTHING, 100 * over, 0.0),
+        "undershoot_pct": np.where(under > _NOTHING, 100 * under, 0.0),
+        "rise_time": (seen.k_90 - seen.k_10) * dt,
+        "settling_time": (seen.k_out + 1) * dt,
+        "peak": np.maximum(seen.top, size),
+        "peak_time": np.where(over > _NOTHING, seen.k_top * dt, np.nan),
+        "final_value": motion.final,
+        "steady_state_error": 1 - motion.final,
+        "peak_effort": np.maximum(most, -least),
+        "effort_min": least,
+        "effort_max": most,
+    }, doubt | (size == 0)
+
+
+def _followed(
+    motion: Motion, sign: Array, size: Array, decay: Array, turn: Array
+) -> tuple[Seen, Mask]:
+    """Return what was seen, and which loops were left before their end."""
+    count = len(size)
+    seen, doubt = Seen.of(count), np.zeros(count, bool)
+    modes = _Modes.of(decay, turn, len(motion.delta))
+    lanes, moved = np.arange(count), motion.delta
+    state, k = np.zeros(motion.output.shape), np.zeros(count)
+    state[-1] = 1.0
+    for level in range(_LEVELS):
+        stride = 2.0**level
+        until = modes.until(stride)[lanes]
+        here = np.arange(len(lanes))
+        waiting: list[Index] = []
+        for _ in range(_MOST // _BLOCK):
+            who = lanes[here]
+            ys, us = _run(motion, moved, state, here, who, sign)
+            _note(seen, who, ys, size[who], k[here], stride)
+            _note_effort(seen, who, us, k[here], stride)
+            k[here] += _BLOCK * stride
+            part = _Part.of(motion, sign, size, who)
+            done = modes.over(
+                who, k[here], part, motion.effort[:, who], motion.at_rest[who], state[:, here], seen
+            )
+            on = ~done & (k[here] >= until[here])
+            waiting.append(here[on])
+            here = here[~done & ~on]
+            if not len(here):
+                break
+        doubt[lanes[here]] = True
+        keep = np.concatenate(waiting)
+        if not len(keep):
+            return seen, doubt
+        lanes, state, k = lanes[keep], state[:, keep], k[keep]
+        moved = _twice(moved[:, :, keep])
+    doubt[lanes] = True
+    return seen, doubt
+
+
+def _twice(s: Array) -> Array:
+    out = 2 * s
+    for j in range(len(s)):
+        out += s[:, j, None] * s[None, j]
+    return out
+
+
+def _run(
+    motion: Motion, moved: Array, state: Array, here: Index, who: Index, sign: Array
+) -> tuple[Array, Array]:
+    """Move the state over a block, in place; return y, its direction counted, and u on the way."""
+    s, z = moved[:-1, :, here], state[:, here]
+    output, effort = motion.output[:, who] * sign[who], motion.effort[:, who]
+    plain = not motion.output[1:].any()
+    ys, us = np.empty((_BLOCK, len(here))), np.empty((_BLOCK, len(here)))
+    step = np.empty_like(z[:-1])
+    part = np.empty_like(step)
+    for i in range(_BLOCK):
+        if plain:
+            np.multiply(output[0], z[0], out=ys[i])
+        else:
+            ys[i] = np.sum(output * z, axis=0)
+        np.multiply(effort[0], z[0], out=us[i])
+        for row, value in zip(effort[1:], z[1:], strict=True):
+            us[i] += row * value
+        np.multiply(s[:, 0], z[0], out=step)
+        for j in range(1, len(z)):
+            np.multiply(s[:, j], z[j], out=part)
+            step += part
+        z[:-1] += step
+    state[:, here] = z
+    return ys, us
+
+
+def _note_effort(seen: Seen, who: Index, us: Array, k: Array, stride: float) -> None:
+    for side, best, places, strides in (
+        (1.0, seen.most, seen.k_most, seen.stride_most),
+        (-1.0, seen.least, seen.k_least, seen.stride_least),
+    ):
+        reached = (side * us).max(axis=0)
+        new = reached > side * best[who]
+        if new.any():
+            which = who[new]
+            best[which] = side * reached[new]
+            places[which] = k[new] + stride * np.argmax(side * us[:, new], axis=0)
+            strides[which] = stride
+
+
+def _note(seen: Seen, who: Index, ys: Array, size: Array, k: Array, stride: float) -> None:
+    """Note what a block shows; k is its first sample."""
+    before = seen.top[who]
+    so_far = np.maximum.accumulate(ys, axis=0)
+    top = so_far[-1]
+    higher = top > before
+    seen.k_top[who] = np.where(
+        higher, k + stride * np.sum(so_far < top, axis=0), seen.k_top[who]
+    )
+    seen.stride_top[who] = np.where(higher, stride, seen.stride_top[who])
+    for level, places, strides in (
+        (_RISE[0], seen.k_10, seen.stride_10), (_RISE[1], seen.k_90, seen.stride_90),
+    ):  # fmt: skip
+        new = (before < level * size) & (top >= level * size)
+        if new.any():
+            which = who[new]
+            places[which] = k[new] + stride * np.sum(
+                so_far[:, new] < level * size[new], axis=0
+            )
+            strides[which] = stride
+    seen.top[who] = np.maximum(before, top)
+    seen.bottom[who] = np.minimum(seen.bottom[who], ys.min(axis=0))
+    off = np.maximum.accumulate(np.abs(ys[::-1] - size), axis=0)
+    _last(seen.k_out, seen.stride_out, who, off > _BAND * size, k, stride)
+    if stride > 1:
+        _last(seen.k_near, seen.stride_near, who, off > _CREST * _BAND * size, k, stride)
+
+
+def _last(
+    places: Array, strides: Array, who: Index, outside: Mask, k: Array, stride: float
+) -> None:
+    """Note the last sample at which something was outside; rows count back from the block's end."""
+    count = np.sum(outside, axis=0)  # rows from the first outside one, seen from the end
+    new = count > 0
+    places[who[new]] = k[new] + stride * (count[new] - 1)
+    strides[who[new]] = stride
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Modes:
+    """decay, turn of each mode per sample; alone: from which sample one mode or pair is left."""
+
+    decay: Array
+    turn: Array
+    slowest: Array
+    theta: Array
+    alone: Array
+    end: Array
+
+    @classmethod
+    def of(cls, decay: Array, turn: Array, rows: int) -> "_Modes":
+        count = decay.shape[1]
+        padded = np.concatenate([decay, np.full((3, count), inf)])
+        order = np.argsort(padded, axis=0)
+        sorted_ = np.take_along_axis(padded, order, axis=0)
+        turns = np.concatenate([turn, np.full((3, count), inf)])
+        slowest = np.maximum(sorted_[0], 1e-14)
+        theta = np.sqrt(np.maximum(np.take_along_axis(turns, order, axis=0)[0] ** 2 - slowest**2, 0))
+        swings = theta > 1e-2 * slowest
+        after = np.where(swings, sorted_[2], sorted_[1])
+        return cls(
+            decay=decay, turn=turn, slowest=slowest, theta=np.where(swings, theta, 0.0),
+            alone=_GONE / after, end=np.maximum(8.0, np.ceil(_QUIET / slowest) + 4 * rows),
+        )  # fmt: skip
+
+    def until(self, stride: float) -> Array:
+        """Return the sample from which twice the stride will do."""
+        fast = self.turn * 2 * stride > _TURN
+        with np.errstate(divide="ignore"):
+            return np.max(np.where(fast, _GONE / self.decay, 0.0), axis=0, initial=0.0)
+
+    def over(
+        self, who: Index, k: Array, part: "_Part", effort: Array, at_rest: Array, z: Array,
+        seen: Seen,
+    ) -> Mask:  # fmt: skip
+        """Return which loops need not be followed beyond sample k: nothing more can be seen."""
+        swing = self._amplitude(who, part, part.output, part.size, z)
+        of_u = self._amplitude(who, part, effort, at_rest, z)
+        alone = self.theta[who] == 0  # it creeps to its rest, and passes no crest
+        higher = swing > seen.top[who] - part.size
+        further = (at_rest + of_u > seen.most[who]) | (at_rest - of_u < seen.least[who])
+        still = (swing < _NEAR * _BAND * part.size) & (alone | ~(higher | further))
+        return (still & (k > self.alone[who])) | (k > self.end[who])
+
+    def _amplitude(self, who: Index, part: "_Part", row: Array, rest: Array, z: Array) -> Array:
+        """Return the amplitude about its rest, one mode or pair being left, from two samples."""
+        off = np.sum(row * z, axis=0) - rest
+        after = np.sum(row * part.after(z), axis=0) - rest
+        theta = self.theta[who]
+        sine = np.where(theta > 0, np.sin(theta), 1.0)
+        with np.errstate(over="ignore"):
+            grown = after * np.exp(self.slowest[who])
+            other = np.where(theta > 0, (grown - off * np.cos(theta)) / sine, 0.0)
+        return np.hypot(off, other)
+
+
+def _closed_in(motion: Motion, sign: Array, size: Array, seen: Seen) -> None:
+    """Close in on what was met at a stride of more than a sample, in place."""
+    for level, places, strides in (
+        (_RISE[0], seen.k_10, seen.stride_10), (_RISE[1], seen.k_90, seen.stride_90),
+    ):  # fmt: skip
+        (who,) = np.nonzero(strides > 1)
+        if len(who):
+            part = _Part.of(motion, sign, size, who)
+            places[who] = 1 + part.last(
+                places[who] - strides[who], strides[who],
+                lambda p, z, level=level: p.y(z) < level * p.size,
+            )[0]  # fmt: skip
+    (who,) = np.nonzero(seen.stride_top > 1)
+    if len(who):
+        part = _Part.of(motion, sign, size, who)
+        start = np.maximum(seen.k_top[who] - seen.stride_top[who], 0.0)
+        k, z = part.last(start, 2 * seen.stride_top[who], lambda p, z: p.slope(z) > 0)
+        seen.k_top[who], seen.top[who] = k + 1, part.y(part.after(z))
+    for side, best, places, strides in (
+        (1.0, seen.most, seen.k_most, seen.stride_most),
+        (-1.0, seen.least, seen.k_least, seen.stride_least),
+    ):
+        (who,) = np.nonzero(strides > 1)
+        if len(who):
+            part = _Part(delta=motion.delta[:, :, who], output=side * motion.effort[:, who], size=size[who])
+            start = np.maximum(places[who] - strides[who], 0.0)
+            k, z = part.last(start, 2 * strides[who], lambda p, z: p.slope(z) > 0)
+            best[who] = side * np.maximum(part.y(part.after(z)), side * best[who])
+    (who,) = np.nonzero((seen.stride_near > 1) & (seen.k_near > seen.k_out))
+    if len(who):
+        _crests(_Part.of(motion, sign, size, who), who, seen)
+    (who,) = np.nonzero(seen.stride_out > 1)
+    if len(who):
+        part = _Part.of(motion, sign, size, who)
+        seen.k_out[who] = part.last(
+            seen.k_out[who], seen.stride_out[who], lambda p, z: p.off(z) > _BAND * p.size
+        )[0]
+
+
+def _crests(part: "_Part", who: Index, seen: Seen) -> None:
+    """Move the last sample outside the band to a crest that the long stride stepped over."""
+    stride = seen.stride_near[who]  # the crest is at most 0.4 rad, or one stride, before
+    start = np.maximum(seen.k_near[who] - 4 * stride, 0.0)
+    side = np.sign(part.y(part.state(seen.k_near[who])) - part.size)
+    k, z = part.last(start, 8 * stride, lambda p, z: p.slope(z) * side > 0)
+    outside = part.off(part.after(z)) > _BAND * part.size
+    seen.k_out[who] = np.where(outside, k + 1, seen.k_out[who])
+    seen.stride_out[who] = np.where(outside, 2 * stride, seen.stride_out[who])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Part:
+    """Some of the loops, looked at where a long stride met something."""
+
+    delta: Array
+    output: Array
+    size: Array
+
+    @classmethod
+    def of(cls, motion: Motion, sign: Array, size: Array, who: Index) -> "_Part":
+        return cls(
+            delta=motion.delta[:, :, who], output=motion.output[:, who] * sign[who], size=size[who]
+        )
+
+    def y(self, z: Array) -> Array:
+        return np.sum(self.output * z, axis=0)
+
+    def off(self, z: Array) -> Array:
+        return np.abs(self.y(z) - self.size)
+
+    def slope(self, z: Array) -> Array:
+        return np.sum(self.output * _moved(self.delta, z), axis=0)
+
+    def after(self, z: Array) -> Array:
+        return z + _moved(self.delta, z)
+
+    def state(self, k: Array) -> Array:
+        """Return Z at sample k, by squaring."""
+        z, s, bits = np.zeros(self.output.shape), self.delta, k.astype(np.int64)
+        z[-1] = 1.0
+        while bits.any():
+            z = np.where(bits & 1, z + _moved(s, z), z)
+            bits >>= 1
+            s = _twice(s)
+        return z
+
+    def last(
+        self, start: Array, stride: Array, holds: Callable[["_Part", Array], Mask]
+    ) -> tuple[Array, Array]:
+        """Return (the last sample up to which ``holds`` does, less than start + stride; Z there)."""
+        levels = int(np.log2(stride.max()))
+        ladder = [self.delta]
+        for _ in range(levels):
+            ladder.append(_twice(ladder[-1]))
+        k, z = start.copy(), self.state(start)
+        for level in range(levels - 1, -1, -1):
+            there = z + _moved(ladder[level], z)
+            go = (2.0**level < stride) & holds(self, there)
+            k, z = np.where(go, k + 2.0**level, k), np.where(go, there, z)
+        return k, z
+
+
+def _moved(s: Array, z: Array) -> Array:
+    return np.einsum("ijb,jb->ib", s, z)
