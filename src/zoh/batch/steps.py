@@ -323,7 +323,7 @@ def _crests(part: "_Part", who: Index, seen: Seen) -> None:
     start = np.maximum(seen.k_near[who] - 4 * stride, 0.0)
     side = np.sign(part.y(part.state(seen.k_near[who])) - part.size)
     k, z = part.last(start, 8 * stride, lambda p, z: p.slope(z) * side > 0)
-    outside = part.off(part.after(z)) > _BAND * part.size
+    outside = (part.off(part.after(z)) > _BAND * part.size) & (k + 1 > seen.k_out[who])
     seen.k_out[who] = np.where(outside, k + 1, seen.k_out[who])
     seen.stride_out[who] = np.where(outside, 2 * stride, seen.stride_out[who])
 
