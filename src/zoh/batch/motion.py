@@ -77,21 +77,18 @@ def motion(plant: Held, law: Solved, delay: int) -> Motion:
     )  # fmt: skip
 
 
-def rates(loops: Loops) -> tuple[Array, Array]:
-    """Return (decay, turn) of each closed-loop mode per sample, shape (n, B), to a few digits.
+def poles(loops: Loops) -> Complex:
+    """Return the closed loops' poles z, shape (n, B), to a few digits.
 
-    decay is -log |z|, turn is |log z|; the roots of num + den by Aberth's method.
+    The roots of num + den in w by Aberth's method, those at z = 0 as 1e-300.
     Source: O. Aberth, Iteration methods for finding all zeros of a polynomial simultaneously,
     Math. Comp. 27 (1973).
     """
     c = loops.num + loops.den
-    size = np.max(np.abs(c), axis=0)
-    u = _roots(c / size)
+    p = _roots(c / np.max(np.abs(c), axis=0)) * loops.x
     with np.errstate(all="ignore"):
-        p = u * loops.x
-        log_z = np.log((1 + p) / (1 - p))
-    log_z = np.where(np.isfinite(log_z), log_z, -700.0)
-    return -log_z.real, np.abs(log_z)
+        z = (1 + p) / (1 - p)
+    return np.where(np.isfinite(z) & (z != 0), z, 1e-300)
 
 
 def _roots(c: Array) -> Complex:

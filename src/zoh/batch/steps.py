@@ -14,17 +14,16 @@ import numpy as np
 import numpy.typing as npt
 
 from zoh.batch.motion import Motion
-from zoh.batch.rows import Array, Mask
+from zoh.batch.rows import Array, Complex, Mask
 
-_GONE = 20.0  # exp(-20) of what it was does not say where to look
+_LOST = 2e-9  # of the final value: what is left of a mode no longer says where to look
 _TURN = 0.25  # rad
 _BAND = 0.02
 _NEAR = 0.9  # of the band: what is alone and inside this stays inside
 _CREST = 0.98  # of the band: between samples at a long stride it may be left
 _RISE = (0.1, 0.9)
-_BLOCK = 32  # samples between two looks at which loops are done
+_BLOCK = 16  # samples between two looks at which loops are done
 _QUIET = log(1e8)  # the slowest mode is followed until it has fallen so far
-_STILL = log(1e4)  # of it is little enough to speak of rest
 _NOTHING = 1e-10  # an overshoot below this part of the final value is rounding
 _LEVELS = 40
 _MOST = 4096  # samples at one stride after which a loop is left to the careful road
@@ -67,15 +66,15 @@ class Seen:
 
 
 def step_metrics(
-    motion: Motion, decay: Array, turn: Array, dt: Array
+    motion: Motion, z: Complex, dt: Array
 ) -> tuple[dict[str, Array], Mask]:
     """Return (the metrics by name, which loops had better be measured one by one).
 
-    decay, turn  of each mode, per sample: see ``motion.rates``
+    z  the closed loop's poles to a few digits, shape (n, B): see ``motion.poles``
     """
     size = np.abs(motion.final)
     sign = np.where(motion.final < 0, -1.0, 1.0)
-    seen, doubt = _followed(motion, sign, size, decay, turn)
+    seen, doubt = _followed(motion, sign, size, z)
     _closed_in(motion, sign, size, seen)
     over, under = seen.top / size - 1, -seen.bottom / size
     most, least = np.maximum(seen.most, motion.at_rest), np.minimum(seen.least, motion.at_rest)
@@ -95,18 +94,17 @@ def step_metrics(
 
 
 def _followed(
-    motion: Motion, sign: Array, size: Array, decay: Array, turn: Array
+    motion: Motion, sign: Array, size: Array, z: Complex
 ) -> tuple[Seen, Mask]:
     """Return what was seen, and which loops were left before their end."""
     count = len(size)
     seen, doubt = Seen.of(count), np.zeros(count, bool)
-    modes = _Modes.of(decay, turn, len(motion.delta))
+    modes = _Modes.of(z, len(motion.delta))
     lanes, moved = np.arange(count), motion.delta
     state, k = np.zeros(motion.output.shape), np.zeros(count)
     state[-1] = 1.0
     for level in range(_LEVELS):
         stride = 2.0**level
-        until = modes.until(stride)[lanes]
         here = np.arange(len(lanes))
         waiting: list[Index] = []
         for _ in range(_MOST // _BLOCK):
@@ -116,10 +114,10 @@ def _followed(
             _note_effort(seen, who, us, k[here], stride)
             k[here] += _BLOCK * stride
             part = _Part.of(motion, sign, size, who)
-            done = modes.over(
+            done, turning = modes.look(
                 who, k[here], part, motion.effort[:, who], motion.at_rest[who], state[:, here], seen
             )
-            on = ~done & (k[here] >= until[here])
+            on = ~done & (turning * 2 * stride <= _TURN)
             waiting.append(here[on])
             here = here[~done & ~on]
             if not len(here):
@@ -222,60 +220,80 @@ def _last(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Modes:
-    """decay, turn of each mode per sample; alone: from which sample one mode or pair is left."""
+    """Each loop's modes z = 1 + mu, and the weights that tell their amplitudes from n samples.
 
-    decay: Array
+    With d_i the i-th difference of what moves, d_i = sum_m c_m mu_m^i, so that
+    c_m = sum_i weights[m, i] d_i, Lagrange's polynomial through the other modes.
+    turn  |log z|, shape (n, B);  creeping  which mode is the slowest and does not swing
+    """
+
     turn: Array
-    slowest: Array
-    theta: Array
-    alone: Array
+    weights: Complex
+    creeping: Mask
     end: Array
 
     @classmethod
-    def of(cls, decay: Array, turn: Array, rows: int) -> "_Modes":
-        count = decay.shape[1]
-        padded = np.concatenate([decay, np.full((3, count), inf)])
-        order = np.argsort(padded, axis=0)
-        sorted_ = np.take_along_axis(padded, order, axis=0)
-        turns = np.concatenate([turn, np.full((3, count), inf)])
-        slowest = np.maximum(sorted_[0], 1e-14)
-        theta = np.sqrt(np.maximum(np.take_along_axis(turns, order, axis=0)[0] ** 2 - slowest**2, 0))
-        swings = theta > 1e-2 * slowest
-        after = np.where(swings, sorted_[2], sorted_[1])
+    def of(cls, z: Complex, rows: int) -> "_Modes":
+        decay, turn = -np.log(np.abs(z)), np.abs(np.log(z))
+        slowest = np.min(decay, axis=0, initial=inf)
+        mu = z - 1
+        n = len(mu)
+        weights = np.zeros((n, n, mu.shape[1]), complex)
+        for m in range(n):
+            weights[m, 0] = 1.0
+            for other in range(n):
+                if other != m:
+                    apart = mu[m] - mu[other]
+                    weights[m, 1:] = (weights[m, :-1] - mu[other] * weights[m, 1:]) / apart
+                    weights[m, 0] *= -mu[other] / apart
+        swings = np.abs(np.angle(z)) > 1e-9 * decay
         return cls(
-            decay=decay, turn=turn, slowest=slowest, theta=np.where(swings, theta, 0.0),
-            alone=_GONE / after, end=np.maximum(8.0, np.ceil(_QUIET / slowest) + 4 * rows),
+            turn=turn, weights=weights, creeping=(decay == slowest) & ~swings,
+            end=np.maximum(8.0, np.ceil(_QUIET / np.maximum(slowest, 1e-14)) + 4 * rows),
         )  # fmt: skip
 
-    def until(self, stride: float) -> Array:
-        """Return the sample from which twice the stride will do."""
-        fast = self.turn * 2 * stride > _TURN
-        with np.errstate(divide="ignore"):
-            return np.max(np.where(fast, _GONE / self.decay, 0.0), axis=0, initial=0.0)
-
-    def over(
+    def look(
         self, who: Index, k: Array, part: "_Part", effort: Array, at_rest: Array, z: Array,
         seen: Seen,
-    ) -> Mask:  # fmt: skip
-        """Return which loops need not be followed beyond sample k: nothing more can be seen."""
-        swing = self._amplitude(who, part, part.output, part.size, z)
-        of_u = self._amplitude(who, part, effort, at_rest, z)
-        alone = self.theta[who] == 0  # it creeps to its rest, and passes no crest
-        higher = swing > seen.top[who] - part.size
-        further = (at_rest + of_u > seen.most[who]) | (at_rest - of_u < seen.least[who])
-        still = (swing < _NEAR * _BAND * part.size) & (alone | ~(higher | further))
-        return (still & (k > self.alone[who])) | (k > self.end[who])
+    ) -> tuple[Mask, Array]:  # fmt: skip
+        """Return (which loops can show nothing new, how fast what is left of each still turns)."""
+        size, top, most, least = part.size, seen.top[who], seen.most[who], seen.least[who]
+        of_y, of_u = self._amplitudes(who, part, [(part.output, size), (effort, at_rest)], z)
+        total, higher = self._beyond(who, of_y)
+        still = total < _NEAR * _BAND * size
+        with np.errstate(invalid="ignore"):
+            still &= (higher <= top - size) | (total <= _LOST * size)
+            total, higher = self._beyond(who, of_u)
+            _, lower = self._beyond(who, -of_u)
+            reach = _LOST * np.maximum(np.abs(most), np.abs(least))
+            still &= (total <= reach) | ((at_rest + higher <= most) & (at_rest - lower >= least))
+        alive = (np.abs(of_y) > _LOST * size) | (np.abs(of_u) > reach)
+        turning = np.max(np.where(alive, self.turn[:, who], 0.0), axis=0, initial=0.0)
+        return still | (k > self.end[who]), turning
 
-    def _amplitude(self, who: Index, part: "_Part", row: Array, rest: Array, z: Array) -> Array:
-        """Return the amplitude about its rest, one mode or pair being left, from two samples."""
-        off = np.sum(row * z, axis=0) - rest
-        after = np.sum(row * part.after(z), axis=0) - rest
-        theta = self.theta[who]
-        sine = np.where(theta > 0, np.sin(theta), 1.0)
-        with np.errstate(over="ignore"):
-            grown = after * np.exp(self.slowest[who])
-            other = np.where(theta > 0, (grown - off * np.cos(theta)) / sine, 0.0)
-        return np.hypot(off, other)
+    def _amplitudes(
+        self, who: Index, part: "_Part", signals: list[tuple[Array, Array]], z: Array
+    ) -> list[Complex]:
+        """Return each signal's share of each mode at Z, shape (n, B)."""
+        found = [np.zeros((len(self.turn), len(who)), complex) for _ in signals]
+        moved = z
+        for i in range(len(self.turn)):
+            for (row, rest), into in zip(signals, found, strict=True):
+                difference = np.sum(row * moved, axis=0) - (0.0 if i else rest)
+                into += self.weights[:, i, who] * difference
+            moved = _moved(part.delta, moved)
+        return found
+
+    def _beyond(self, who: Index, shares: Complex) -> tuple[Array, Array]:
+        """Return (a bound on what is left, a bound on how far it can go above its rest).
+
+        What creeps from below outlives the others, and keeps what is left below if it is more.
+        """
+        sizes, creeping = np.abs(shares), self.creeping[:, who]
+        total = np.sum(sizes, axis=0)
+        slow = np.sum(np.where(creeping, shares.real, 0.0), axis=0)
+        others = total - np.sum(np.where(creeping, sizes, 0.0), axis=0)
+        return total, np.where(others <= -slow, 0.0, others + np.maximum(slow, 0.0))
 
 
 def _closed_in(motion: Motion, sign: Array, size: Array, seen: Seen) -> None:
