@@ -10,7 +10,6 @@ from zoh.batch import rows
 from zoh.batch.held import Held, held
 from zoh.batch.laws import LAWS, Solved, wanted
 from zoh.batch.margins import Loops, measured, stable
-from zoh.batch.reasons import Reason
 from zoh.batch.rows import Array, Mask
 
 _PM_TOL_DEG, _WC_TOL = 1e-9, 1e-9  # what a design promises of its crossover
