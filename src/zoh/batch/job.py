@@ -63,8 +63,9 @@ class Job:
             raise SpecError("reference", "must not be 0", 0.0, "a step of 0 shows nothing")
         put(self, "sections", tuple(self.sections))
         put(self, "varying", tuple(self.varying))
+        self._check_law()
         self._check_varying()
-        put(self, "asked", self._checked_law())
+        put(self, "asked", self._checked_asked())
 
     def value(self, key: str) -> float | None:
         """Return what a key is where it does not vary, None where nothing was given for it."""
@@ -86,7 +87,7 @@ class Job:
         law = {name: self.asked.get(name) for name in self.law_keys}
         return {**clock, **law, **sources.nominal(self.plant)}
 
-    def _checked_law(self) -> Gains:
+    def _check_law(self) -> None:
         if self.law not in (*LAWS, GIVEN):
             way_out = "choose one of these"
             names = ", ".join((*LAWS, GIVEN))
@@ -94,7 +95,11 @@ class Job:
         if (self.law == GIVEN) != isinstance(self.controller, Sampled):
             way_out = 'law="given" takes a zoh.Sampled as controller, the other laws take none'
             raise SpecError("controller", "must fit the law", self.controller, way_out)
-        if self.law == GIVEN and not self.asked:
+
+    def _checked_asked(self) -> Gains:
+        if self.law == GIVEN:
+            if self.asked:
+                raise SpecError("asked", "must be left out", dict(self.asked), "nothing is solved")
             return Gains({})
         told = {**self.asked, **{k: _ANY for k in self.varying if k in self.law_keys}}
         parameters = checked_parameters(self.law, told)
