@@ -238,7 +238,7 @@ def design(
     ``TableVerified``, which has no step response and so no use for the reference. Fixed
     ``sections`` are in series with the law, which is solved on their product with the plant.
     """
-    parameters = _checked(law, given)
+    parameters = checked_parameters(law, given)
     fixed = in_series(sections, dt)
     missing = left_open(law, parameters)
     if isinstance(plant, FrequencyResponse):
@@ -338,7 +338,7 @@ def _bounded(asked: Requirements, parameters: Mapping[str, float]) -> Requiremen
     return replace(asked, ms=min(bounds + ([] if asked.ms is None else [asked.ms])))
 
 
-def _checked(law: str, given: Mapping[str, float | None]) -> dict[str, float]:
+def checked_parameters(law: str, given: Mapping[str, float | None]) -> dict[str, float]:
     """Return the parameters given (None is not given); raise SpecError unless they fit the law."""
     if not isinstance(law, str) or law not in (*LAWS, AUTO):
         names = ", ".join((*LAWS, AUTO))
