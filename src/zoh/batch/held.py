@@ -36,7 +36,10 @@ class Held:
     """num, den in p = w dt/2, rows of ascending powers; delay in whole samples beside them.
 
     The same in time, u being the input ``delay`` samples ago: x moves by delta x + before u +
-    after (u of one sample later - u), the output is x_0 + direct u. delta has the shape (n, n, B).
+    after (u of one sample later - u), the output is x_0 + direct u. delta has the shape (n, n, B);
+    x is the output and its derivatives by time in ``samples``, so many of which make a sample.
+
+    rows     C A^m, shape (m, n, B), in that unit of time;  markov  C A^m B
     """
 
     num: Array
@@ -46,6 +49,10 @@ class Held:
     before: Array
     after: Array
     direct: Array
+    lead: Array
+    samples: Array
+    rows: Array
+    markov: Array
 
 
 def held(num: Array, den: Array, dt: Array, delay: npt.NDArray[np.int64], lead: Array) -> Held:
@@ -68,12 +75,18 @@ def held(num: Array, den: Array, dt: Array, delay: npt.NDArray[np.int64], lead: 
         none = np.zeros((0, len(dt)))
         return Held(
             num=direct[None, :], den=np.ones((1, len(dt))), delay=delay, direct=direct,
-            delta=none[None, :0], before=none, after=none,
+            delta=none[None, :0], before=none, after=none, lead=lead, samples=np.ones_like(dt),
+            rows=none[None, :0], markov=none,
         )  # fmt: skip
     reach = _reach(a)
     halvings = _halvings(reach)
     h = _markov(a, b, max(_TERMS + n, _EULER_TERMS) + 1)
-    delta, before, after = _moved(a, h, halvings, lead)
+    unit = np.ldexp(1.0, -halvings)
+    in_unit = a * np.power(unit[None, :], np.arange(n, -1, -1.0)[:, None])
+    rows_ = powers_of(in_unit, _TERMS)
+    markov = h * np.power(unit[None, :], np.arange(1.0, len(h) + 1)[:, None])
+    delta, before = advanced(rows_, markov, halvings, np.ones_like(lead))
+    after = advanced(rows_, markov, halvings, lead)[1] if lead.any() else np.zeros_like(before)
     char, rows = _adjugate(delta, _integrators(a))
     in_delta = _numerator(rows, before, after)
     top, bottom = _in_p(in_delta), _in_p(char)
@@ -83,7 +96,8 @@ def held(num: Array, den: Array, dt: Array, delay: npt.NDArray[np.int64], lead: 
         top[n, slow] = at_nyquist * bottom[n, slow]
     return Held(
         num=top + direct * bottom, den=bottom, delay=delay,
-        delta=delta, before=before, after=after, direct=direct,
+        delta=delta, before=before, after=after, direct=direct, lead=lead, samples=1 / unit,
+        rows=rows_, markov=markov,
     )  # fmt: skip
 
 
@@ -112,47 +126,31 @@ def _markov(a: Array, b: Array, count: int) -> Array:
     return h
 
 
-def _moved(
-    a: Array, h: Array, halvings: npt.NDArray[np.int64], lead: Array
-) -> tuple[Array, Array, Array]:
-    """Return (delta (n, n, B), B(1), B(lead) (n, B)), all in the halved unit of time."""
+def powers_of(a: Array, terms: int) -> Array:
+    """Return C A^m of the companion matrix for m < n + terms, shape (n + terms, n, B)."""
     n = len(a) - 1
-    unit = np.ldexp(1.0, -halvings)
-    a = a * np.power(unit[None, :], np.arange(n, -1, -1.0)[:, None])
-    h = h * np.power(unit[None, :], np.arange(1.0, len(h) + 1)[:, None])
-    rows = np.zeros((n + _TERMS, n, a.shape[1]))  # C A^m
+    rows = np.zeros((n + terms, n, a.shape[1]))
     rows[:n] = np.eye(n)[:, :, None]
-    for m in range(n, n + _TERMS):
+    for m in range(n, n + terms):
         rows[m, 1:] = rows[m - 1, :-1]
         rows[m] -= rows[m - 1, -1] * a[:n]
-    delta = np.zeros((n, n, a.shape[1]))
-    whole, part = np.zeros((2, n, a.shape[1]))
-    for m in range(_TERMS, 0, -1):
-        weight = 1 / factorial(m)
-        power = weight * lead**m
-        for i in range(n):
-            delta[i] += weight * rows[m + i]
-            whole[i] += weight * h[m - 1 + i]
-            part[i] += power * h[m - 1 + i]
-    if halvings.any():
-        delta, whole, part = _doubled(rows, delta, whole, part, lead, halvings)
-    return delta, whole, part
+    return rows
 
 
-def _doubled(
-    rows: Array, delta: Array, whole: Array, part: Array, lead: Array,
-    halvings: npt.NDArray[np.int64],
-) -> tuple[Array, Array, Array]:  # fmt: skip
-    n = len(delta)
-    moved = np.zeros_like(delta)  # over lead of the halved unit
+def advanced(
+    rows: Array, h: Array, halvings: npt.NDArray[np.int64], t: Array
+) -> tuple[Array, Array]:
+    """Return (delta (n, n, B), B (n, B)) over t samples, 0 <= t <= 1, h the Markov parameters."""
+    n = rows.shape[1]
+    delta, b = np.zeros((n, n, len(t))), np.zeros((n, len(t)))
     for m in range(_TERMS, 0, -1):
-        for i in range(n):
-            moved[i] += lead**m / factorial(m) * rows[m + i]
-    for k in range(int(halvings.max())):
+        weight = t**m / factorial(m)
+        delta += weight * rows[m : m + n]
+        b += weight * h[m - 1 : m - 1 + n]
+    for k in range(int(halvings.max(initial=0))):
         more = halvings > k
-        delta, whole = _twice(delta, whole, more)
-        moved, part = _twice(moved, part, more)
-    return delta, whole, part
+        delta, b = _twice(delta, b, more)
+    return delta, b
 
 
 def _twice(delta: Array, b: Array, more: npt.NDArray[np.bool_]) -> tuple[Array, Array]:

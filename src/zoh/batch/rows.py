@@ -6,9 +6,14 @@ Source: W. H. Press et al., Numerical Recipes, 3rd ed., sec. 9.4 (Newton's metho
 bracket) and 9.5 (polynomials).
 """
 
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from typing import Any, TypeVar
+
 import numpy as np
 import numpy.typing as npt
 
+Kept = TypeVar("Kept", bound=Any)  # a dataclass
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 Mask = npt.NDArray[np.bool_]
@@ -18,6 +23,17 @@ _RANGE = 280.0  # decades that a power of a float may fill
 _STEPS = 120  # halvings of a bracket's logarithm, and Newton's steps between them
 _LAST = 1e-15  # relative; a step this small is rounding
 _DOUBLE = 1e-10  # of its terms: a value at an extreme that may be 0
+
+
+def only(loops: Kept, keep: Mask | npt.NDArray[np.int64]) -> Kept:
+    """Return some of the loops of a record whose arrays have a loop a column."""
+    return replace(loops, **{f.name: _some(getattr(loops, f.name), keep) for f in fields(loops)})
+
+
+def _some(value: Any, keep: Mask | npt.NDArray[np.int64]) -> Any:
+    if isinstance(value, Mapping):
+        return {name: array[..., keep] for name, array in value.items()}
+    return value[..., keep] if isinstance(value, np.ndarray) else value
 
 
 def times(a: Array, b: Array) -> Array:

@@ -13,8 +13,10 @@ from math import inf, log
 import numpy as np
 import numpy.typing as npt
 
+from zoh.batch.between import Piece, crest, estimate, pieces
+from zoh.batch.held import Held
 from zoh.batch.motion import Motion
-from zoh.batch.rows import Array, Complex, Mask
+from zoh.batch.rows import Array, Complex, Mask, only
 
 _LOST = 2e-9  # of the final value: what is left of a mode no longer says where to look
 _TURN = 0.25  # rad
@@ -57,16 +59,19 @@ class Seen:
     stride_90: Array
     stride_out: Array
     stride_near: Array
+    crest: Array
+    k_crest: Array
+    piece: Array
 
     @classmethod
     def of(cls, count: int) -> "Seen":
         """Return what is seen before anything is."""
-        start = {"top": -inf, "bottom": inf, "most": -inf, "least": inf}
+        start = {"top": -inf, "bottom": inf, "most": -inf, "least": inf, "crest": -inf}
         return cls(**{f.name: np.full(count, start.get(f.name, -1.0)) for f in fields(cls)})
 
 
 def step_metrics(
-    motion: Motion, z: Complex, dt: Array
+    motion: Motion, plant: Held, delay: int, z: Complex, dt: Array
 ) -> tuple[dict[str, Array], Mask]:
     """Return (the metrics by name, which loops had better be measured one by one).
 
@@ -74,11 +79,16 @@ def step_metrics(
     """
     size = np.abs(motion.final)
     sign = np.where(motion.final < 0, -1.0, 1.0)
-    seen, doubt = _followed(motion, sign, size, z)
+    parts = pieces(plant, motion, delay)
+    seen, at_crest, doubt = _followed(motion, parts, sign, size, z)
     _closed_in(motion, sign, size, seen)
     over, under = seen.top / size - 1, -seen.bottom / size
     most, least = np.maximum(seen.most, motion.at_rest), np.minimum(seen.least, motion.at_rest)
+    highest, when, known = _between(motion, plant, parts, sign, seen, at_crest)
+    beyond = highest / size - 1
     return {
+        "between.overshoot_pct": np.where(beyond > _NOTHING, 100 * beyond, 0.0),
+        "between.peak_time": np.where(beyond > _NOTHING, when * dt, np.nan),
         "overshoot_pct": np.where(over > _NOTHING, 100 * over, 0.0),
         "undershoot_pct": np.where(under > _NOTHING, 100 * under, 0.0),
         "rise_time": (seen.k_90 - seen.k_10) * dt,
@@ -90,15 +100,16 @@ def step_metrics(
         "peak_effort": np.maximum(most, -least),
         "effort_min": least,
         "effort_max": most,
-    }, doubt | (size == 0)
+    }, doubt | ~known | (size == 0)
 
 
 def _followed(
-    motion: Motion, sign: Array, size: Array, z: Complex
-) -> tuple[Seen, Mask]:
-    """Return what was seen, and which loops were left before their end."""
+    motion: Motion, parts: list[Piece], sign: Array, size: Array, z: Complex
+) -> tuple[Seen, Array, Mask]:
+    """Return what was seen, Z before the highest crest, and which loops were left too early."""
     count = len(size)
     seen, doubt = Seen.of(count), np.zeros(count, bool)
+    at_crest = np.zeros(motion.output.shape)
     modes = _Modes.of(z, len(motion.delta))
     lanes, moved = np.arange(count), motion.delta
     state, k = np.zeros(motion.output.shape), np.zeros(count)
@@ -109,7 +120,11 @@ def _followed(
         waiting: list[Index] = []
         for _ in range(_MOST // _BLOCK):
             who = lanes[here]
-            ys, us = _run(motion, moved, state, here, who, sign)
+            zs = _run(moved, state, here)
+            ys = _along(motion.output[:, who] * sign[who], zs)
+            us = _along(motion.effort[:, who], zs)
+            if level == 0:
+                _note_crests(seen, at_crest, parts, who, zs, sign[who], k[here])
             _note(seen, who, ys, size[who], k[here], stride)
             _note_effort(seen, who, us, k[here], stride)
             k[here] += _BLOCK * stride
@@ -125,11 +140,11 @@ def _followed(
         doubt[lanes[here]] = True
         keep = np.concatenate(waiting)
         if not len(keep):
-            return seen, doubt
+            return seen, at_crest, doubt
         lanes, state, k = lanes[keep], state[:, keep], k[keep]
         moved = _twice(moved[:, :, keep])
     doubt[lanes] = True
-    return seen, doubt
+    return seen, at_crest, doubt
 
 
 def _twice(s: Array) -> Array:
@@ -139,31 +154,73 @@ def _twice(s: Array) -> Array:
     return out
 
 
-def _run(
-    motion: Motion, moved: Array, state: Array, here: Index, who: Index, sign: Array
-) -> tuple[Array, Array]:
-    """Move the state over a block, in place; return y, its direction counted, and u on the way."""
+def _run(moved: Array, state: Array, here: Index) -> Array:
+    """Move the state over a block, in place, and return Z at its samples, (block, N, B)."""
     s, z = moved[:-1, :, here], state[:, here]
-    output, effort = motion.output[:, who] * sign[who], motion.effort[:, who]
-    plain = not motion.output[1:].any()
-    ys, us = np.empty((_BLOCK, len(here))), np.empty((_BLOCK, len(here)))
+    zs = np.empty((_BLOCK, *z.shape))
     step = np.empty_like(z[:-1])
     part = np.empty_like(step)
-    for i in range(_BLOCK):
-        if plain:
-            np.multiply(output[0], z[0], out=ys[i])
-        else:
-            ys[i] = np.sum(output * z, axis=0)
-        np.multiply(effort[0], z[0], out=us[i])
-        for row, value in zip(effort[1:], z[1:], strict=True):
-            us[i] += row * value
+    for at in zs:
+        at[:] = z
         np.multiply(s[:, 0], z[0], out=step)
         for j in range(1, len(z)):
             np.multiply(s[:, j], z[j], out=part)
             step += part
         z[:-1] += step
     state[:, here] = z
-    return ys, us
+    return zs
+
+
+def _along(row: Array, zs: Array) -> Array:
+    """Return a signal at each sample of a block, (block, B); zeros of its row cost nothing."""
+    out = np.zeros((len(zs), zs.shape[2]))
+    for j, weight in enumerate(row):
+        if weight.any():
+            out += weight * zs[:, j]
+    return out
+
+
+def _note_crests(
+    seen: Seen, at_crest: Array, parts: list[Piece], who: Index, zs: Array, sign: Array, k: Array
+) -> None:
+    """Note which piece of which sample has the highest crest, and Z before it."""
+    for number, part in enumerate(parts):
+        ends = [_along(row[:, who] * sign, zs) for row in (part.slope0, part.slope1)]
+        if not ((ends[0] > 0) & (ends[1] < 0)).any():
+            continue
+        values = [_along(row[:, who] * sign, zs) for row in (part.y0, part.y1)]
+        span = (part.end - part.begin)[who]
+        heights = estimate(*values, ends[0] * span, ends[1] * span)
+        best = np.argmax(heights, axis=0)
+        height = np.take_along_axis(heights, best[None, :], axis=0)[0]
+        (new,) = np.nonzero(height > seen.crest[who])
+        which = who[new]
+        seen.crest[which] = height[new]
+        seen.k_crest[which] = k[new] + best[new]
+        seen.piece[which] = number
+        at_crest[:, which] = zs[best[new], :, new].T
+
+
+def _between(
+    motion: Motion, plant: Held, parts: list[Piece], sign: Array, seen: Seen, at_crest: Array
+) -> tuple[Array, Array, Mask]:
+    """Return (the highest value at all times, the time of it in samples, whether it is known)."""
+    highest, when, known = seen.top.copy(), seen.k_top.copy(), np.ones(len(sign), bool)
+    (late,) = np.nonzero((seen.stride_top > 1) & (seen.k_top > 0))
+    tries = [(np.nonzero(seen.piece == i)[0], part, None) for i, part in enumerate(parts)]
+    tries += [(late, part, -1.0) for part in parts] + [(late, part, 0.0) for part in parts]
+    for who, part, shift in tries:
+        if not len(who):
+            continue
+        k = seen.k_crest[who] if shift is None else seen.k_top[who] + shift
+        some = _Part(delta=motion.delta[:, :, who], output=motion.output[:, who], size=k)
+        z = at_crest[:, who] if shift is None else some.state(k)
+        height, after, sure = crest(only(plant, who), only(part, who), z, sign[who])
+        known[who] &= sure
+        higher = height > highest[who]
+        highest[who] = np.where(higher, height, highest[who])
+        when[who] = np.where(higher, k + after, when[who])
+    return highest, when, known
 
 
 def _note_effort(seen: Seen, who: Index, us: Array, k: Array, stride: float) -> None:
