@@ -266,7 +266,8 @@ def _peak(loops: Loops, name: str, v: Array) -> dict[str, Array]:
     n, d = np.where(end, loops.num[-1], n), np.where(end, loops.den[-1], d)
     w = loops.frequency(v)
     if name == "modulus":
-        return {"modulus_margin": np.abs(n + d) / np.abs(d), "ms_frequency": w}
+        least = np.abs(n + d) / np.abs(d)
+        return {"modulus_margin": least, "ms": 1 / least, "ms_frequency": w}
     if name == "mt":
         return {"mt": np.abs(n) / np.abs(n + d), "mt_frequency": w}
     return {"disk_margin": 2 * np.abs(n + d) / np.abs(d - n), "disk_frequency": w}

@@ -42,7 +42,7 @@ class Motion:
 
 def motion(plant: Held, law: Solved, delay: int) -> Motion:
     """Return the motion of loops whose plants are all ``delay`` whole samples late."""
-    n, c, count = len(plant.before), len(law.poles), len(law.direct)
+    n, c, count = len(plant.before), len(law.residues), len(law.direct)
     own, one = n + delay, n + delay + c
     output, effort = np.zeros((2, one + 1, count))
     if n:
@@ -66,9 +66,9 @@ def motion(plant: Held, law: Solved, delay: int) -> Motion:
         delta[n + j] += inputs[j]
         delta[n + j, n + j] -= 1.0
     for j in range(c):
-        delta[own + j] -= output
-        delta[own + j, one] += 1.0
-        delta[own + j, own + j] -= law.poles[j]
+        delta[own + j] -= law.enters[j] * output
+        delta[own + j, one] += law.enters[j]
+        delta[own + j, own:one] += law.moves[j]
     top = law.num[0] * plant.num[0]
     bottom = law.den[0] * plant.den[0]
     return Motion(

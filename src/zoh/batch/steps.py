@@ -71,7 +71,7 @@ class Seen:
 
 
 def step_metrics(
-    motion: Motion, plant: Held, delay: int, z: Complex, dt: Array
+    motion: Motion, plant: Held, delay: int, z: Complex, dt: Array, reference: float = 1.0
 ) -> tuple[dict[str, Array], Mask]:
     """Return (the metrics by name, which loops had better be measured one by one).
 
@@ -84,6 +84,7 @@ def step_metrics(
     _closed_in(motion, sign, size, seen)
     over, under = seen.top / size - 1, -seen.bottom / size
     most, least = np.maximum(seen.most, motion.at_rest), np.minimum(seen.least, motion.at_rest)
+    reach = abs(reference)
     highest, when, known = _between(motion, plant, parts, sign, seen, at_crest)
     beyond = highest / size - 1
     return {
@@ -93,13 +94,10 @@ def step_metrics(
         "undershoot_pct": np.where(under > _NOTHING, 100 * under, 0.0),
         "rise_time": (seen.k_90 - seen.k_10) * dt,
         "settling_time": (seen.k_out + 1) * dt,
-        "peak": np.maximum(seen.top, size),
+        "peak": np.maximum(seen.top, size) * reach,
         "peak_time": np.where(over > _NOTHING, seen.k_top * dt, np.nan),
-        "final_value": motion.final,
-        "steady_state_error": 1 - motion.final,
-        "peak_effort": np.maximum(most, -least),
-        "effort_min": least,
-        "effort_max": most,
+        "steady_state_error": (1 - motion.final) * reference,
+        "peak_effort": np.maximum(most, -least) * reach,
     }, doubt | ~known | (size == 0)
 
 
@@ -183,22 +181,33 @@ def _along(row: Array, zs: Array) -> Array:
 def _note_crests(
     seen: Seen, at_crest: Array, parts: list[Piece], who: Index, zs: Array, sign: Array, k: Array
 ) -> None:
-    """Note which piece of which sample has the highest crest, and Z before it."""
+    """Note which piece of which sample has the highest crest, and Z before it.
+
+    Where the input changes within a sample the end of a piece may be a corner: ``piece`` and half.
+    """
     for number, part in enumerate(parts):
         ends = [_along(row[:, who] * sign, zs) for row in (part.slope0, part.slope1)]
-        if not ((ends[0] > 0) & (ends[1] < 0)).any():
-            continue
-        values = [_along(row[:, who] * sign, zs) for row in (part.y0, part.y1)]
-        span = (part.end - part.begin)[who]
-        heights = estimate(*values, ends[0] * span, ends[1] * span)
-        best = np.argmax(heights, axis=0)
-        height = np.take_along_axis(heights, best[None, :], axis=0)[0]
-        (new,) = np.nonzero(height > seen.crest[who])
-        which = who[new]
-        seen.crest[which] = height[new]
-        seen.k_crest[which] = k[new] + best[new]
-        seen.piece[which] = number
-        at_crest[:, which] = zs[best[new], :, new].T
+        if ((ends[0] > 0) & (ends[1] < 0)).any():
+            values = [_along(row[:, who] * sign, zs) for row in (part.y0, part.y1)]
+            span = (part.end - part.begin)[who]
+            heights = estimate(*values, ends[0] * span, ends[1] * span)
+            _note_crest(seen, at_crest, heights, float(number), who, zs, k)
+    for number, part in enumerate(parts[:-1]):
+        corner = _along(part.y1[:, who] * sign, zs)
+        _note_crest(seen, at_crest, corner, number + 0.5, who, zs, k)
+
+
+def _note_crest(
+    seen: Seen, at_crest: Array, heights: Array, piece: float, who: Index, zs: Array, k: Array
+) -> None:
+    best = np.argmax(heights, axis=0)
+    height = np.take_along_axis(heights, best[None, :], axis=0)[0]
+    (new,) = np.nonzero(height > seen.crest[who])
+    which = who[new]
+    seen.crest[which] = height[new]
+    seen.k_crest[which] = k[new] + best[new]
+    seen.piece[which] = piece
+    at_crest[:, which] = zs[best[new], :, new].T
 
 
 def _between(
@@ -206,6 +215,9 @@ def _between(
 ) -> tuple[Array, Array, Mask]:
     """Return (the highest value at all times, the time of it in samples, whether it is known)."""
     highest, when, known = seen.top.copy(), seen.k_top.copy(), np.ones(len(sign), bool)
+    for number, part in enumerate(parts[:-1]):
+        (who,) = np.nonzero((seen.piece == number + 0.5) & (seen.crest > highest))
+        highest[who], when[who] = seen.crest[who], seen.k_crest[who] + part.end[who]
     (late,) = np.nonzero((seen.stride_top > 1) & (seen.k_top > 0))
     tries = [(np.nonzero(seen.piece == i)[0], part, None) for i, part in enumerate(parts)]
     tries += [(late, part, -1.0) for part in parts] + [(late, part, 0.0) for part in parts]
