@@ -157,7 +157,7 @@ def _alike(job: Job, wanted: Batch, delay: int) -> tuple[Results, Mask]:
             off = np.abs(figures["phase_margin_deg"] - wanted.asked["pm_deg"][who]) > _TOL
             off |= np.abs(figures["crossover"] / wanted.asked["wc"][who] - 1) > _TOL
             out["reason"][who[off]] = Reason.OFF_TARGET
-    return out, doubt
+    return out, doubt & (able | (np.abs(law.room) <= _EDGE))
 
 
 def closed(job: Job, wanted: Batch, plant: Held, delay: int) -> tuple[Loops, Solved]:

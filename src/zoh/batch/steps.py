@@ -229,6 +229,10 @@ def _between(
         z = at_crest[:, who] if shift is None else some.state(k)
         height, after, sure = crest(only(plant, who), only(part, who), z, sign[who])
         known[who] &= sure
+        if shift is not None and part is not parts[-1]:
+            corner = np.sum(part.y1[:, who] * z, axis=0) * sign[who]
+            after = np.where(corner > height, part.end[who], after)
+            height = np.maximum(height, corner)
         higher = height > highest[who]
         highest[who] = np.where(higher, height, highest[who])
         when[who] = np.where(higher, k + after, when[who])
