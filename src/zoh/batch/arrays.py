@@ -134,6 +134,7 @@ def _alike(job: Job, wanted: Batch, delay: int) -> tuple[Results, Mask]:
         plant = held(wanted.num, wanted.den, wanted.dt, wanted.delay, wanted.lead)
         loops, law = closed(job, wanted, plant, delay)
         good, doubt = stable(loops)
+    doubt |= ~plant.exact
     able = law.room > 0
     doubt |= np.abs(law.room) <= _EDGE
     out = empty(job, n)

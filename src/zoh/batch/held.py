@@ -27,6 +27,7 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 
 _TERMS = 18  # of the exponential's series, at a norm of 1/2: 0.5^18/18! is 6e-22
+_EXACT = 1e-12  # what a dozen roundings leave of the gain at rest
 _SMALL = 0.5  # the norm up to which the series is taken as it stands
 _SLOW, _EULER_TERMS = 1.5, 40  # the reach of the series at z = -1: (1.5/pi)^40 is 1e-13
 
@@ -38,6 +39,8 @@ class Held:
     The same in time, u being the input ``delay`` samples ago: x moves by delta x + before u +
     after (u of one sample later - u), the output is x_0 + direct u. delta has the shape (n, n, B);
     x is the output and its derivatives by time in ``samples``, so many of which make a sample.
+
+    exact    whether the gain at rest, or what an integrator makes of it, has come out as it must
 
     rows     C A^m, shape (m, n, B), in that unit of time;  markov  C A^m B
     """
@@ -53,6 +56,7 @@ class Held:
     samples: Array
     rows: Array
     markov: Array
+    exact: npt.NDArray[np.bool_]
 
 
 def held(num: Array, den: Array, dt: Array, delay: npt.NDArray[np.int64], lead: Array) -> Held:
@@ -76,7 +80,7 @@ def held(num: Array, den: Array, dt: Array, delay: npt.NDArray[np.int64], lead: 
         return Held(
             num=direct[None, :], den=np.ones((1, len(dt))), delay=delay, direct=direct,
             delta=none[None, :0], before=none, after=none, lead=lead, samples=np.ones_like(dt),
-            rows=none[None, :0], markov=none,
+            rows=none[None, :0], markov=none, exact=np.ones(len(dt), bool),
         )  # fmt: skip
     reach = _reach(a)
     halvings = _halvings(reach)
@@ -97,8 +101,20 @@ def held(num: Array, den: Array, dt: Array, delay: npt.NDArray[np.int64], lead: 
     return Held(
         num=top + direct * bottom, den=bottom, delay=delay,
         delta=delta, before=before, after=after, direct=direct, lead=lead, samples=1 / unit,
-        rows=rows_, markov=markov,
+        rows=rows_, markov=markov, exact=_is_exact(a, b, top, bottom),
     )  # fmt: skip
+
+
+def _is_exact(a: Array, b: Array, top: Array, bottom: Array) -> npt.NDArray[np.bool_]:
+    """Return whether the lowest powers agree: G is b_0/(a_i s^i) at rest, and so is what it holds.
+
+    A fast pole far beyond the others costs the low coefficients digits; they show it here.
+    """
+    i = np.argmax(a != 0, axis=0)[None, :]
+    first, held_first = (np.take_along_axis(c, i, axis=0)[0] for c in (a, bottom))
+    with np.errstate(all="ignore"):
+        off = top[0] / held_first * 2.0 ** i[0] * first / b[0] - 1
+    return (b[0] == 0) | (np.abs(off) <= _EXACT)
 
 
 def _reach(a: Array) -> Array:

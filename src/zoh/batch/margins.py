@@ -193,7 +193,8 @@ def _flat(a: Array, b: Array, low: Array, high: Array, q: Array) -> tuple[Array,
     """Return (where the slope of log a/b becomes positive in (low, high), whether it does)."""
     falls, rises = np.zeros(len(q), bool), np.zeros(len(q), bool)
     da, db = rows.derivative(a), rows.derivative(b)
-    for step in range(_STEPS):
+    step = np.full(len(q), np.inf)
+    for _ in range(_STEPS):
         fa, sa = rows.at(a, q), rows.at(da, q)
         fb, sb = rows.at(b, q), rows.at(db, q)
         _, ca = rows.with_slope(da, q)
@@ -204,9 +205,10 @@ def _flat(a: Array, b: Array, low: Array, high: Array, q: Array) -> tuple[Array,
         rises |= ~left
         low, high = np.where(left, q, low), np.where(left, high, q)
         new = q - slope / (ca * fb - fa * cb)
-        inside = (new > low) & (new < high) & (step % 3 != 2)
+        inside = (new > low) & (new < high) & (2 * np.abs(new - q) <= step)
         last, q = q, np.where(inside, new, np.sqrt(low * high))
-        if np.all((np.abs(q - last) <= 1e-15 * q) | (high <= low * (1 + 1e-14))):
+        step = np.abs(q - last)
+        if np.all((step <= 1e-15 * q) | (high <= low * (1 + 1e-14))):
             break
     return q, falls & rises
 

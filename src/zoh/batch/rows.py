@@ -181,16 +181,16 @@ def _closed_in(a: Array, low: Array, high: Array, x: Array) -> Array:
     index = np.arange(len(x))
     rising = at(a, low) < 0
     with np.errstate(all="ignore"):
-        for step in range(_STEPS):
+        last = np.full(len(x), np.inf)
+        for _ in range(_STEPS):
             f, slope = with_slope(a, x)
             left = (f < 0) == rising
             low, high = np.where(left, x, low), np.where(left, high, x)
             newton = x - f / slope
-            inside = (newton > low) & (newton < high)
-            if step % 3 == 2:
-                inside &= high < 4 * low
-            new = np.where(inside, newton, np.sqrt(low * high))
-            done = (np.abs(new - x) <= _LAST * x) | (f == 0) | (high <= low * (1 + _LAST))
+            inside = (newton > low) & (newton < high) & (2 * np.abs(newton - x) <= last)
+            new = np.where(inside, newton, np.sqrt(low) * np.sqrt(high))
+            last = np.abs(new - x)
+            done = (last <= _LAST * x) | (f == 0) | (high <= low * (1 + _LAST))
             x = np.where(f == 0, x, new)
             if done.any():
                 out[index[done]] = x[done]
@@ -198,6 +198,6 @@ def _closed_in(a: Array, low: Array, high: Array, x: Array) -> Array:
                 if not go.any():
                     return out
                 index, a, low, high, x = index[go], a[:, go], low[go], high[go], x[go]
-                rising = rising[go]
+                rising, last = rising[go], last[go]
     out[index] = x
     return out
