@@ -13,7 +13,7 @@ from zoh.batch.rows import Array
 
 ORDER = 6
 _SMALL, _SLOW = 0.5, 1.5
-_TERMS, _EULER_TERMS = 18, 40
+TERMS, _EULER_TERMS = 18, 40
 _NOTHING = 1e-18
 
 
@@ -38,7 +38,7 @@ class Plant(NamedTuple):
     """What the hold makes: see ``zoh.batch.held.Held``; the first places of longer arrays.
 
     a, b     the plant in samples, then in the unit;  markov in the unit, h in samples
-    numbers  direct, samples of the unit, reach, how far off the gain at rest has come out
+    numbers  direct, samples of the unit, reach, how far off the gain at rest has come out, terms
     """
 
     top: Array
@@ -61,9 +61,9 @@ def plant() -> Plant:
     n = ORDER
     return Plant(
         top=np.zeros(2 * n), bottom=np.zeros(2 * n), delta=np.zeros((n, n)), before=np.zeros(n),
-        after=np.zeros(n), rows=np.zeros((n + _TERMS + 1, n)),
+        after=np.zeros(n), rows=np.zeros((n + TERMS + 1, n)),
         markov=np.zeros(_EULER_TERMS + n + 2), a=np.zeros(n + 1), b=np.zeros(n + 1),
-        matrix=np.zeros((n, n)), other=np.zeros((n, n)), fl=np.zeros((n, n)), numbers=np.zeros(4),
+        matrix=np.zeros((n, n)), other=np.zeros((n, n)), fl=np.zeros((n, n)), numbers=np.zeros(5),
     )  # fmt: skip
 
 
@@ -81,7 +81,8 @@ def held(p: Plant, n: int, dt: float, lead: float) -> None:
         b[j] -= direct * a[j]
     numbers[0] = direct
     if n == 0:
-        p.top[0], p.bottom[0], numbers[1], numbers[2] = direct, 1.0, 1.0, 0.0
+        p.top[0], p.bottom[0] = direct, 1.0
+        numbers[1], numbers[2], numbers[3], numbers[4] = 1.0, 0.0, 0.0, 0.0
         return
     reach = 0.0
     for j in range(n):
@@ -100,7 +101,8 @@ def held(p: Plant, n: int, dt: float, lead: float) -> None:
     while reach * unit > _SMALL and halvings < 60:
         unit, halvings = unit / 2.0, halvings + 1
     numbers[1] = 1.0 / unit
-    terms = min(n + needed(reach * unit), _TERMS)  # the first n may be 0
+    terms = min(n + needed(reach * unit), TERMS)  # the first n may be 0
+    numbers[4] = terms
     euler = 0
     if reach <= _SLOW:
         size = 1.0
@@ -143,7 +145,7 @@ def held(p: Plant, n: int, dt: float, lead: float) -> None:
 def needed(reach: float) -> int:
     """Return how many terms the exponential's series needs."""
     m, size = 0, 1.0
-    while m < _TERMS and size > _NOTHING:
+    while m < TERMS and size > _NOTHING:
         m += 1
         size *= reach / m
     return m
