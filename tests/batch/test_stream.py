@@ -26,6 +26,7 @@ ARM = zoh.Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
 JOB = Job(plant=ARM, law="pi", asked={"pm_deg": 40}, dt=0.1, varying=("wc", "plant.gain"))
 SPREADS = {"wc": Uniform(low=0.2, high=1.6), "plant.gain": Normal(mean=2.3, sd=0.2)}
 ASKED = zoh.Requirements(ms=1.9)
+KEPT = ["wc", "ms", "stable", "reason"]
 
 
 def space(count):
@@ -96,9 +97,9 @@ def test_another_sweep_or_a_strange_folder_is_refused(tmp_path):
 CHILD = """
 import sys
 sys.path.insert(0, sys.argv[2])
-from test_stream import ASKED, JOB, space
+from test_stream import ASKED, JOB, KEPT, space
 from zoh.batch.stream import sweep_to
-sweep_to(sys.argv[1], JOB, space(400), requirements=ASKED, block=8)
+sweep_to(sys.argv[1], JOB, space(400), requirements=ASKED, block=8, keep=KEPT)
 """
 
 
@@ -108,7 +109,7 @@ def start(path):
 
 def test_a_sweep_that_is_killed_again_and_again_comes_to_the_same_bits(tmp_path):
     whole, cut = str(tmp_path / "whole.zarr"), str(tmp_path / "cut.zarr")
-    expected = sweep_to(whole, JOB, space(400), requirements=ASKED, block=8)
+    expected = sweep_to(whole, JOB, space(400), requirements=ASKED, block=8, keep=KEPT)
     moments = np.random.default_rng(5)
     blocks, seen = Path(cut) / "blocks" / "c", []
     for _ in range(3):
@@ -125,5 +126,5 @@ def test_a_sweep_that_is_killed_again_and_again_comes_to_the_same_bits(tmp_path)
         seen.append(len(list(blocks.glob("*"))))
     assert seen == sorted(seen)
     assert 0 < seen[0] < 50  # the first one was cut in the middle
-    assert sweep_to(cut, JOB, space(400), requirements=ASKED, block=8) == expected
+    assert sweep_to(cut, JOB, space(400), requirements=ASKED, block=8, keep=KEPT) == expected
     assert contents(cut) == contents(whole)

@@ -74,7 +74,7 @@ def keeps(name: str, bound: float, results: Results) -> Bools:
 
 def met(requirements: Requirements, results: Results) -> Bools:
     """Return which loops are as asked for and keep every bound."""
-    good = results["reason"] == Reason.OK
+    good: Bools = results["reason"] == Reason.OK
     for name, bound in asked(requirements).items():
         good = good & keeps(name, bound, results)
     return good
