@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from zoh.analysis.asked import Compared
 from zoh.batch.columns import Results
 from zoh.batch.reason import Reason
 from zoh.errors import SpecError
@@ -78,3 +79,14 @@ def met(requirements: Requirements, results: Results) -> Bools:
     for name, bound in asked(requirements).items():
         good = good & keeps(name, bound, results)
     return good
+
+
+def sentence(name: str, bound: float, results: Results) -> str:
+    """Return a requirement and what the first loop has, in words.
+
+    >>> sentence("ms", 2.0, {"ms": np.array([2.5])})
+    'ms must be at most 2, measured 2.5'
+    """
+    rule = RULES[name]
+    value = float(rule.of(results[rule.column].astype(np.float64, copy=False))[0])
+    return Compared(name=name, bound=bound, value=value, at_least=rule.at_least).sentence

@@ -18,6 +18,7 @@ T = TypeVar("T")
 Progress = Callable[[int, int], None]  # told the loops that are done, and all of them
 
 _AHEAD = 3  # blocks for each thread: one at work, one waiting, one on its way
+_PATIENCE = 5  # s, for a scheduler to answer
 _RETRIES = 3  # of a block whose worker could not do it
 
 
@@ -52,7 +53,7 @@ def connected(address: str) -> Any:
     """Return a client of the scheduler at this address; raise SpecError where there is none."""
     distributed = needed("distributed", "--scheduler")
     try:
-        return distributed.Client(address, set_as_default=False, timeout=10)
+        return distributed.Client(address, set_as_default=False, timeout=_PATIENCE)
     except (OSError, ValueError) as absent:
         way_out = "start one with: dask scheduler"
         raise SpecError("scheduler", "must answer at its address", address, way_out) from absent
@@ -64,7 +65,7 @@ def _spread(
     distributed = needed("distributed", "a sweep over a cluster")
     _same_version(client)
     waiting: dict[Any, Task] = {}
-    done = distributed.as_completed()
+    done = distributed.as_completed(loop=client.loop)
 
     def submit(count: int) -> None:
         for task in islice(tasks, count):
