@@ -78,8 +78,9 @@ def computed(job: Job, columns: dict[str, FloatArray], arithmetic: str) -> Resul
     """Return the results of a batch, a chunk of it at a time."""
     way = backend.named(arithmetic)
     n = len(next(iter(columns.values())))
-    parts = [
-        way.run(job, {key: column[i : i + way.chunk] for key, column in columns.items()})
-        for i in range(0, n, way.chunk)
-    ]
+    with np.errstate(all="ignore"):  # what a loop cannot have, its reason says
+        parts = [
+            way.run(job, {key: column[i : i + way.chunk] for key, column in columns.items()})
+            for i in range(0, n, way.chunk)
+        ]
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}

@@ -66,7 +66,7 @@ def keeps(name: str, bound: float, results: Results) -> Bools:
     [True, True, False, False]
     """
     rule = RULES[name]
-    with np.errstate(invalid="ignore"):
+    with np.errstate(all="ignore"):
         value = rule.of(results[rule.column].astype(np.float64, copy=False))
     rounding = _EQUAL * abs(bound)
     kept: Bools = value >= bound - rounding if rule.at_least else value <= bound + rounding

@@ -18,7 +18,7 @@ from zoh.batch.blocks import computed
 from zoh.batch.job import GIVEN, Job
 from zoh.batch.reason import Reason
 from zoh.batch.result import Extreme, Sweep
-from zoh.batch.sources import FloatArray, Source, plant_of
+from zoh.batch.sources import FloatArray, Source, nominal_plant
 from zoh.batch.space import Grid, Space, as_space
 from zoh.batch.sweep import Over
 from zoh.design.sections import SecondOrder
@@ -85,7 +85,7 @@ def robust(
     _refuse_what_is_chosen(law, space)
     job = _candidates(plant, law, given, dt, compute_delay, sections, reference)
     made = partial(
-        design, plant_of(plant, {}, plant.dead_time), law, dt=job.dt, sections=sections,
+        design, nominal_plant(plant), law, dt=job.dt, sections=sections,
         compute_delay=job.compute_delay, reference=job.reference,
     )  # fmt: skip
     combinations = _that_can(job, given)
