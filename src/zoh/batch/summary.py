@@ -147,13 +147,11 @@ WIDTH = len(Reason) + 1 + _EACH * len(FIGURES)
 
 def _extremes(values: npt.NDArray[np.generic], start: int) -> Extremes:
     column = values.astype(np.float64, copy=False)
-    if np.isnan(column).all():
+    least, most = float(np.fmin.reduce(column)), float(np.fmax.reduce(column))  # a NaN is no end
+    if isnan(least):
         return Extremes()
-    low, high = int(np.nanargmin(column)), int(np.nanargmax(column))
-    return Extremes(
-        least=float(column[low]), least_at=start + low,
-        most=float(column[high]), most_at=start + high,
-    )  # fmt: skip
+    low, high = int(np.argmax(column == least)), int(np.argmax(column == most))
+    return Extremes(least=least, least_at=start + low, most=most, most_at=start + high)
 
 
 def _first_of_least(end: tuple[float, int]) -> tuple[bool, float, int]:
