@@ -126,6 +126,11 @@ def plant_of(source: Source, changes: Mapping[str, float], dead_time: float) -> 
     )  # fmt: skip
 
 
+def nominal_plant(source: Source) -> Plant:
+    """Return the plant as it stands, exactly."""
+    return source if isinstance(source, Plant) else source.plant()
+
+
 def coefficients(
     source: Source, columns: Mapping[str, FloatArray], n: int
 ) -> tuple[FloatArray, FloatArray]:
@@ -195,4 +200,13 @@ def checked(source: object) -> Source:
     return source
 
 
-__all__ = ["FloatArray", "Geared", "Roots", "Source", "coefficients", "nominal", "plant_of"]
+__all__ = [
+    "FloatArray",
+    "Geared",
+    "Roots",
+    "Source",
+    "coefficients",
+    "nominal",
+    "nominal_plant",
+    "plant_of",
+]

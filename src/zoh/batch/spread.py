@@ -109,11 +109,11 @@ def standard_normal(u: FloatArray) -> FloatArray:
     array([0.        , 1.95996398])
     """
     q = u - 0.5
-    tail = np.sqrt(-np.log(np.minimum(u, 1 - u)))
-    r = 0.180625 - q * q
-    centre = q * _ratio(_CENTRE, r)
-    outside = np.where(tail <= 5.0, _ratio(_NEAR, tail - 1.6), _ratio(_FAR, tail - 5.0))
-    found: FloatArray = np.where(np.abs(q) <= 0.425, centre, np.copysign(outside, q))
+    found: FloatArray = q * _ratio(_CENTRE, 0.180625 - q * q)
+    (outside,) = np.nonzero(np.abs(q) > 0.425)
+    tail = np.sqrt(-np.log(np.minimum(u, 1 - u)[outside]))
+    size = np.where(tail <= 5.0, _ratio(_NEAR, tail - 1.6), _ratio(_FAR, tail - 5.0))
+    found[outside] = np.copysign(size, q[outside])
     return found
 
 
