@@ -28,6 +28,7 @@ class Pieces(NamedTuple):
     b: Array
     matrix: Array
     series: Array
+    input_slope: Array
 
 
 def pieces() -> Pieces:
@@ -37,7 +38,7 @@ def pieces() -> Pieces:
         y0=np.zeros(rows), y1=np.zeros(rows), slope0=np.zeros(rows), slope1=np.zeros(rows),
         state=np.zeros((3, ORDER, SIZE)), input=np.zeros(rows), ends=np.zeros(3),
         delta=np.zeros((ORDER, ORDER)), b=np.zeros(ORDER), matrix=np.zeros((ORDER, ORDER)),
-        series=np.zeros(_TERMS + ORDER + 1),
+        series=np.zeros(_TERMS + ORDER + 1), input_slope=np.zeros(1),
     )  # fmt: skip
 
 
@@ -51,6 +52,7 @@ def cut(
     if count == 2:
         q.ends[1] = 1.0 - lead
     halvings, terms = 0, int(p.numbers[4])
+    q.input_slope[0] = p.markov[0]
     while 2.0**halvings < p.numbers[1]:
         halvings += 1
     for i in range(n):

@@ -9,7 +9,7 @@ import numpy as np
 
 from zoh.batch.compiled.between import Pieces, crest, estimate
 from zoh.batch.compiled.jit import compiled
-from zoh.batch.compiled.motion import SIZE, Motion
+from zoh.batch.compiled.motion import Motion
 from zoh.batch.compiled.plant import Plant
 from zoh.batch.rows import Array
 
@@ -20,6 +20,7 @@ _BLOCK = 32
 _QUIET = log(1e8)
 _NOTHING = 1e-10
 _LEVELS, _MOST = 40, 4096
+WIDE, _NARROW = 16, 8  # numbers that are moved at once, a whole number of vectors; the rest are 0
 
 # places of what is seen
 (
@@ -35,16 +36,17 @@ FIGURES = 9
 
 # places of the states that are kept
 _Z, _NEXT, _LAST, _BEFORE, _AT_CREST, _FOUND, _THERE = range(7)
+_KEPT = 8
 
 
 def ladder() -> Array:
-    """Return the array of the doublings of delta."""
-    return np.zeros((_LEVELS + 1, SIZE, SIZE))
+    """Return the array of the doublings of delta, by columns: [level, j, i] is s_ij."""
+    return np.zeros((_LEVELS + 1, WIDE, WIDE))
 
 
 def states() -> Array:
-    """Return the array of the states that are kept."""
-    return np.zeros((8, SIZE))
+    """Return the array of the states that are kept; behind them a block of samples."""
+    return np.zeros((_KEPT + _BLOCK + 1, WIDE))
 
 
 @compiled
@@ -58,24 +60,34 @@ def along(row: Array, z: Array, size: int) -> float:
 
 @compiled
 def move(s: Array, z: Array, size: int, out: Array) -> None:
-    """Write z + s z; the one at the end of z stays."""
-    for i in range(size - 1):
-        total = z[i]
+    """Write z + s z, s by columns."""
+    if size <= _NARROW:
+        for i in range(_NARROW):
+            out[i] = z[i]
         for j in range(size):
-            total += s[i, j] * z[j]
-        out[i] = total
-    out[size - 1] = z[size - 1]
+            part = z[j]
+            for i in range(_NARROW):
+                out[i] += s[j, i] * part
+    else:
+        for i in range(WIDE):
+            out[i] = z[i]
+        for j in range(size):
+            part = z[j]
+            for i in range(WIDE):
+                out[i] += s[j, i] * part
 
 
 @compiled
 def twice(s: Array, size: int, out: Array) -> None:
-    """Write 2 s + s s."""
-    for i in range(size):
-        for k in range(size):
-            total = 2.0 * s[i, k]
-            for j in range(size):
-                total += s[i, j] * s[j, k]
-            out[i, k] = total
+    """Write 2 s + s s, by columns."""
+    wide = _NARROW if size <= _NARROW else WIDE
+    for k in range(size):
+        for i in range(wide):
+            out[k, i] = 2.0 * s[k, i]
+        for j in range(size):
+            part = s[k, j]
+            for i in range(wide):
+                out[k, i] += s[j, i] * part
 
 
 @compiled
@@ -110,12 +122,11 @@ def step_metrics(
     if not 0.0 < full < inf:
         return True
     start(seen)
-    for j in range(size):
-        zs[_Z, j] = 0.0
+    zs[:_KEPT] = 0.0
     zs[_Z, size - 1] = 1.0
-    for i in range(size):
-        for j in range(size):
-            ladder[0, i, j] = m.delta[i, j]
+    for j in range(size):
+        for i in range(WIDE):
+            ladder[0, j, i] = m.delta[i, j] if i < size else 0.0
     slowest = max(slowest, 1e-14)
     end = max(8.0, ceil(_QUIET / slowest) + 4.0 * size)
     k, level, done, lost = 0.0, 0, False, True
@@ -123,7 +134,9 @@ def step_metrics(
         twice(ladder[level], size, ladder[level + 1])
         for _ in range(_MOST // _BLOCK):
             if level == 0:
-                every_sample(m, pieces, count, ladder, zs, seen, sign, full, k, size)
+                every_sample(
+                    m, pieces, count, n, ladder[0], zs[_KEPT:], zs, seen, sign, full, k, size
+                )
             else:
                 lost_crest = long_stride(
                     m, p, pieces, count, n, ladder, level, zs, seen, sign, full, k, size
@@ -158,16 +171,43 @@ def start(seen: Array) -> None:
 
 
 @compiled
-def every_sample(
-    m: Motion, pieces: Pieces, count: int, ladder: Array, zs: Array, seen: Array, sign: float,
-    full: float, k: float, size: int,
-) -> None:  # fmt: skip
-    """Look at a block of samples, one by one."""
-    z, following, s = zs[_Z], zs[_NEXT], ladder[0]
-    top, bottom, most, least = seen[TOP], seen[BOTTOM], seen[MOST_U], seen[LEAST_U]
+def run(s: Array, block: Array, size: int) -> None:
+    """Write Z at the samples of a block, one after the other, from its first row on."""
+    if size > _NARROW:
+        for i in range(_BLOCK):
+            move(s, block[i], size, block[i + 1])
+        return
     for i in range(_BLOCK):
-        y = sign * along(m.output, z, size)
-        u = along(m.effort, z, size)
+        a, b, c, d = block[i, 0], block[i, 1], block[i, 2], block[i, 3]
+        e, f, g, h = block[i, 4], block[i, 5], block[i, 6], block[i, 7]
+        for j in range(size):
+            part = block[i, j]
+            a += s[j, 0] * part
+            b += s[j, 1] * part
+            c += s[j, 2] * part
+            d += s[j, 3] * part
+            e += s[j, 4] * part
+            f += s[j, 5] * part
+            g += s[j, 6] * part
+            h += s[j, 7] * part
+        block[i + 1, 0], block[i + 1, 1], block[i + 1, 2], block[i + 1, 3] = a, b, c, d
+        block[i + 1, 4], block[i + 1, 5], block[i + 1, 6], block[i + 1, 7] = e, f, g, h
+
+
+@compiled
+def note(
+    block: Array, output: Array, effort: Array, seen: Array, sign: float, full: float, k: float,
+    size: int,
+) -> None:  # fmt: skip
+    """Note what the samples of a block show."""
+    top, bottom, most, least = seen[TOP], seen[BOTTOM], seen[MOST_U], seen[LEAST_U]
+    k_out = seen[K_OUT]
+    for i in range(_BLOCK):
+        y = u = 0.0
+        for j in range(size):
+            y += output[j] * block[i, j]
+            u += effort[j] * block[i, j]
+        y *= sign
         if y > top:
             if top < 0.9 * full:
                 if top < 0.1 * full <= y:
@@ -178,54 +218,75 @@ def every_sample(
         bottom = min(bottom, y)
         most, least = max(most, u), min(least, u)
         if abs(y - full) > _BAND * full:
-            seen[K_OUT] = k + i
-        for piece in range(count):
-            slope0 = sign * along(pieces.slope0[piece], z, size)
-            slope1 = sign * along(pieces.slope1[piece], z, size)
-            if slope0 > 0.0 > slope1:
-                note_crest(pieces, piece, zs, seen, sign, k + i, slope0, slope1, size)
-            if piece + 1 < count:
-                corner = sign * along(pieces.y1[piece], z, size)
-                if corner > seen[CREST]:
-                    keep_crest(zs, seen, corner, k + i, piece + 0.5, size)
+            k_out = k + i
         if i >= _BLOCK - 2:
-            pass_on(zs, seen, y, u, k + i, size)
-        move(s, z, size, following)
-        for j in range(size):
-            z[j] = following[j]
+            seen[Y2], seen[U2], seen[K2] = seen[Y1], seen[U1], seen[K1]
+            seen[Y1], seen[U1], seen[K1] = y, u, k + i
     seen[TOP], seen[BOTTOM], seen[MOST_U], seen[LEAST_U] = top, bottom, most, least
+    seen[K_OUT] = k_out
 
 
 @compiled
-def pass_on(zs: Array, seen: Array, y: float, u: float, k: float, size: int) -> None:
+def every_sample(
+    m: Motion, pieces: Pieces, count: int, n: int, s: Array, block: Array, zs: Array, seen: Array,
+    sign: float, full: float, k: float, size: int,
+) -> None:  # fmt: skip
+    """Look at a block of samples, one by one."""
+    for j in range(WIDE):
+        block[0, j] = zs[_Z, j]
+    run(s, block, size)
+    note(block, m.output, m.effort, seen, sign, full, k, size)
+    if count == 1 and n > 1 and pieces.input_slope[0] == 0.0:  # y' is a state then
+        for i in range(_BLOCK):
+            if sign * block[i, 1] > 0.0 > sign * block[i + 1, 1]:
+                note_crest(pieces, 0, block[i], zs, seen, sign, k + i, size)
+    elif n:
+        for piece in range(count):
+            for i in range(_BLOCK):
+                rising = sign * along(pieces.slope0[piece], block[i], size) > 0.0
+                if rising and sign * along(pieces.slope1[piece], block[i], size) < 0.0:
+                    note_crest(pieces, piece, block[i], zs, seen, sign, k + i, size)
+                if piece + 1 < count:
+                    corner = sign * along(pieces.y1[piece], block[i], size)
+                    if corner > seen[CREST]:
+                        keep_crest(block[i], zs, seen, corner, k + i, piece + 0.5, size)
+    for j in range(WIDE):
+        zs[_BEFORE, j], zs[_LAST, j] = block[_BLOCK - 2, j], block[_BLOCK - 1, j]
+        zs[_Z, j] = block[_BLOCK, j]
+
+
+@compiled
+def pass_on(
+    z: Array, zs: Array, seen: Array, y: float, u: float, k: float, size: int
+) -> None:
     """Make the sample looked at the last one, and the last one the one before."""
     seen[Y1], seen[Y2], seen[U1], seen[U2], seen[K1], seen[K2] = y, seen[Y1], u, seen[U1], k, seen[K1]
     for j in range(size):
-        zs[_BEFORE, j], zs[_LAST, j] = zs[_LAST, j], zs[_Z, j]
+        zs[_BEFORE, j], zs[_LAST, j] = zs[_LAST, j], z[j]
 
 
 @compiled
 def note_crest(
-    pieces: Pieces, piece: int, zs: Array, seen: Array, sign: float, k: float, slope0: float,
-    slope1: float, size: int,
-) -> None:  # fmt: skip
+    pieces: Pieces, piece: int, z: Array, zs: Array, seen: Array, sign: float, k: float, size: int
+) -> None:
     """Keep a crest that is about the highest."""
     span = pieces.ends[piece + 1] - pieces.ends[piece]
-    y0 = sign * along(pieces.y0[piece], zs[_Z], size)
-    y1 = sign * along(pieces.y1[piece], zs[_Z], size)
+    y0, y1 = sign * along(pieces.y0[piece], z, size), sign * along(pieces.y1[piece], z, size)
+    slope0 = sign * along(pieces.slope0[piece], z, size)
+    slope1 = sign * along(pieces.slope1[piece], z, size)
     height = estimate(y0, y1, slope0 * span, slope1 * span)
     if height > seen[CREST]:
-        keep_crest(zs, seen, height, k, float(piece), size)
+        keep_crest(z, zs, seen, height, k, float(piece), size)
 
 
 @compiled
 def keep_crest(
-    zs: Array, seen: Array, height: float, k: float, piece: float, size: int
+    z: Array, zs: Array, seen: Array, height: float, k: float, piece: float, size: int
 ) -> None:
     """Keep where a crest is, and Z before it."""
     seen[CREST], seen[K_CREST], seen[PIECE] = height, k, piece
     for j in range(size):
-        zs[_AT_CREST, j] = zs[_Z, j]
+        zs[_AT_CREST, j] = z[j]
 
 
 @compiled
@@ -273,7 +334,7 @@ def long_stride(
         seen[MOST_U], seen[LEAST_U] = max(seen[MOST_U], u), min(seen[LEAST_U], u)
         if abs(y - full) > _BAND * full:
             seen[K_OUT] = here
-        pass_on(zs, seen, y, u, here, size)
+        pass_on(z, zs, seen, y, u, here, size)
         move(ladder[level], z, size, zs[_NEXT])
         for j in range(size):
             z[j] = zs[_NEXT, j]
