@@ -128,6 +128,40 @@ def test_loops_are_written_to_the_file_that_is_named(good, run, tmp_path):
     assert swept(run, good, *asked, "--out", str(tmp_path / "a.zarr"))[0] == 0  # it is all there
 
 
+def test_figures_are_drawn_in_the_folder_that_is_named(good, run, tmp_path):
+    pytest.importorskip("matplotlib")
+    folder = tmp_path / "figures"
+    asked = ("--over", "wc=0.4:0.8:3", "--figures", str(folder))
+    code, found, err = swept(run, good, *asked)
+    assert code == 0
+    names = {file.name for file in folder.iterdir()}
+    assert {"pi-ms.svg", "pi-peak-effort.png", "sweep.json"} <= names
+    assert err == f"zoh: wrote {len(names)} files to {folder}\n"
+    assert json.loads((folder / "sweep.json").read_text()) == found
+    code, _, err = swept(run, good, *asked)
+    assert code == 2
+    assert "must not hold a file of that name already" in err
+
+
+@pytest.mark.parametrize(
+    ("space", "names"),
+    [
+        ({"wc": [0.4, 0.8], "pm_deg": [40, 50]}, ["ms", "settling_time"]),
+        ({"wc": [0.4, 0.8], "plant.gain": [2.3]}, ["ms", "peak_effort"]),
+        (
+            zoh.Random(spreads={"wc": zoh.Uniform(low=0.4, high=0.8)}, count=5),
+            ["ms over wc", "between.overshoot_pct over wc"],
+        ),
+    ],
+)
+def test_a_grid_is_a_map_or_a_line_and_a_sample_is_bands(space, names):
+    pytest.importorskip("matplotlib")
+    from zoh.app.sweep_figures import drawn_of
+
+    held = zoh.sweep(ARM, "pi", {"pm_deg": 40, "wc": 0.5}, dt=0.1, over=space)
+    assert set(names) <= {name for name, _ in drawn_of(held, "PI")}
+
+
 @pytest.mark.parametrize(
     ("more", "said"),
     [

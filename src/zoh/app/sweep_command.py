@@ -22,8 +22,9 @@ def swept(arguments: Namespace) -> tuple[Swept, ...]:
     )  # fmt: skip
     client = None if arguments.scheduler is None else connected(arguments.scheduler)
     options = Options(
-        out=arguments.out, arithmetic=arguments.arithmetic, client=client, fixed=arguments.fixed
-    )
+        out=arguments.out, arithmetic=arguments.arithmetic, client=client, fixed=arguments.fixed,
+        held=arguments.figures is not None,
+    )  # fmt: skip
     try:
         with _bars() as watched:
             return sweep_all(project, space, arguments.controller, options, watched)
