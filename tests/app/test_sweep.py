@@ -1,11 +1,14 @@
 """``zoh sweep``: what a person reads, what a script parses, what is written, and the exit codes."""
 
 import json
+from io import StringIO
 
 import pytest
 
 import zoh
 from zoh.app.over import read_over
+from zoh.app.project import read
+from zoh.app.sweep import job_of
 from zoh.batch.reason import Reason
 from zoh.batch.space import Random
 
@@ -234,3 +237,30 @@ def test_roots_and_joints_vary_by_their_own_names(run, text, key):
     code, found, err = swept(run, text + PD, "--over", key)
     assert (code, err) == (0, "")
     assert found["met"] == 3
+
+
+def test_a_terminal_shows_the_progress(good, run, monkeypatch):
+    class Terminal(StringIO):
+        def isatty(self):
+            return True
+
+    shown = Terminal()
+    monkeypatch.setattr("sys.stderr", shown)
+    monkeypatch.setenv("TERM", "xterm")
+    code, out, _ = run(good, "--over", "wc=0.4:0.8:600", "--json", verb="sweep")
+    assert code == 0
+    assert json.loads(out)["loops"] == 600
+    assert "PI" in shown.getvalue()
+    assert "loops/s" in shown.getvalue()
+
+
+def test_a_table_does_not_vary(run):
+    text = """
+        plant.frequency_response = "a.csv"
+        plant.response_of = "sampled"
+        sampling.dt = 1e-5
+    """
+    table = "hz,db,deg\n100,20,-60\n1000,0,-90\n10000,-20,-120\n"
+    project = read(text + PD, attached=lambda name: table)
+    with pytest.raises(zoh.SpecError, match="plant must be a model"):
+        job_of(project, project.controllers[0], zoh.Grid(axes={"wc": [1.0]}))

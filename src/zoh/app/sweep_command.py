@@ -52,9 +52,9 @@ def _bars() -> Iterator[Callable[[str], Progress | None]]:
             task = bars.add_task(name, total=None, rate="")
 
             def told(done: int, loops: int) -> None:
+                bars.update(task, completed=done, total=loops)
                 speed = bars.tasks[task].speed
-                rate = "" if speed is None else f"{speed:,.0f} loops/s"
-                bars.update(task, completed=done, total=loops, rate=rate)
+                bars.update(task, rate="" if speed is None else f"{speed:,.0f} loops/s")
 
             return told
 

@@ -51,7 +51,7 @@ class Way:
         )
 
 
-SINGLE = Way(name="single", module="zoh.batch.single", chunk=64, block=1024)
+SINGLE = Way(name="single", module="zoh.batch.single", chunk=64, block=256)
 WAYS: tuple[Way, ...] = (SINGLE,)
 """Every way, the fastest for very many loops first; the last one covers every job."""
 
