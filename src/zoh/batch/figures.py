@@ -29,6 +29,8 @@ FIGURES: tuple[Figure, ...] = (
     Figure(name="modulus_margin", unit="1", long_name="modulus margin, min |1 + L|", better=1),
     Figure(name="ms", unit="1", long_name="peak of the sensitivity, Ms", better=-1),
     Figure(name="mt", unit="1", long_name="peak of the closed loop, Mt", better=-1),
+    Figure(name="disk_margin", unit="1", long_name="disk margin, balanced", better=1),
+    Figure(name="bandwidth", unit="rad/s", long_name="bandwidth, 3 dB", better=1),
     Figure(name="overshoot_pct", unit="%", long_name="overshoot at the samples", better=-1),
     Figure(name="rise_time", unit="s", long_name="rise time, 10 to 90 %", better=-1),
     Figure(name="settling_time", unit="s", long_name="settling time, 2 %", better=-1),
