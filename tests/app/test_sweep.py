@@ -1,11 +1,14 @@
 """``zoh sweep``: what a person reads, what a script parses, what is written, and the exit codes."""
 
 import json
+from io import StringIO
 
 import pytest
 
 import zoh
 from zoh.app.over import read_over
+from zoh.app.project import read
+from zoh.app.sweep import job_of
 from zoh.batch.reason import Reason
 from zoh.batch.space import Random
 
@@ -128,6 +131,40 @@ def test_loops_are_written_to_the_file_that_is_named(good, run, tmp_path):
     assert swept(run, good, *asked, "--out", str(tmp_path / "a.zarr"))[0] == 0  # it is all there
 
 
+def test_figures_are_drawn_in_the_folder_that_is_named(good, run, tmp_path):
+    pytest.importorskip("matplotlib")
+    folder = tmp_path / "figures"
+    asked = ("--over", "wc=0.4:0.8:3", "--figures", str(folder))
+    code, found, err = swept(run, good, *asked)
+    assert code == 0
+    names = {file.name for file in folder.iterdir()}
+    assert {"pi-ms.svg", "pi-peak-effort.png", "sweep.json"} <= names
+    assert err == f"zoh: wrote {len(names)} files to {folder}\n"
+    assert json.loads((folder / "sweep.json").read_text()) == found
+    code, _, err = swept(run, good, *asked)
+    assert code == 2
+    assert "must not hold a file of that name already" in err
+
+
+@pytest.mark.parametrize(
+    ("space", "names"),
+    [
+        ({"wc": [0.4, 0.8], "pm_deg": [40, 50]}, ["ms", "settling_time"]),
+        ({"wc": [0.4, 0.8], "plant.gain": [2.3]}, ["ms", "peak_effort"]),
+        (
+            zoh.Random(spreads={"wc": zoh.Uniform(low=0.4, high=0.8)}, count=5),
+            ["ms over wc", "between.overshoot_pct over wc"],
+        ),
+    ],
+)
+def test_a_grid_is_a_map_or_a_line_and_a_sample_is_bands(space, names):
+    pytest.importorskip("matplotlib")
+    from zoh.app.sweep_figures import drawn_of
+
+    held = zoh.sweep(ARM, "pi", {"pm_deg": 40, "wc": 0.5}, dt=0.1, over=space)
+    assert set(names) <= {name for name, _ in drawn_of(held, "PI")}
+
+
 @pytest.mark.parametrize(
     ("more", "said"),
     [
@@ -200,3 +237,30 @@ def test_roots_and_joints_vary_by_their_own_names(run, text, key):
     code, found, err = swept(run, text + PD, "--over", key)
     assert (code, err) == (0, "")
     assert found["met"] == 3
+
+
+def test_a_terminal_shows_the_progress(good, run, monkeypatch):
+    class Terminal(StringIO):
+        def isatty(self):
+            return True
+
+    shown = Terminal()
+    monkeypatch.setattr("sys.stderr", shown)
+    monkeypatch.setenv("TERM", "xterm")
+    code, out, _ = run(good, "--over", "wc=0.4:0.8:600", "--json", verb="sweep")
+    assert code == 0
+    assert json.loads(out)["loops"] == 600
+    assert "PI" in shown.getvalue()
+    assert "loops/s" in shown.getvalue()
+
+
+def test_a_table_does_not_vary(run):
+    text = """
+        plant.frequency_response = "a.csv"
+        plant.response_of = "sampled"
+        sampling.dt = 1e-5
+    """
+    table = "hz,db,deg\n100,20,-60\n1000,0,-90\n10000,-20,-120\n"
+    project = read(text + PD, attached=lambda name: table)
+    with pytest.raises(zoh.SpecError, match="plant must be a model"):
+        job_of(project, project.controllers[0], zoh.Grid(axes={"wc": [1.0]}))

@@ -11,7 +11,7 @@ from zoh.batch.columns import column, length
 from zoh.batch.figures import BY_NAME, column_names
 from zoh.batch.job import Job
 from zoh.batch.reason import Reason
-from zoh.batch.sources import Geared, Roots
+from zoh.batch.sources import Geared, Roots, coefficients, nominal, plant_of
 from zoh.lti.joint import Joint
 
 ARM = zoh.Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
@@ -144,3 +144,44 @@ def test_a_job_that_is_no_loop_is_refused(changes, argument):
     with pytest.raises(zoh.SpecError) as refused:
         Job(**{**given, **changes})
     assert refused.value.argument == argument
+
+
+SOURCES = [
+    (zoh.Plant(num=[2.0, 3.0], den=[1.5, 0.7809, 0.2, 0]),
+     {"plant.num.1": 3.3, "plant.den.0": 1.25, "plant.den.2": 0.1}),
+    (zoh.Plant(num=[2.0, 3.0], den=[1.5, 0.7809, 0]), {"plant.gain": 0.7}),
+    (zoh.Plant(num=[2.3], den=[1.0, 0.7809, 0]), {"plant.gain": 2.5, "plant.den.1": 0.6}),
+    (Roots(zeros=[-3.0], poles=[0, -0.7, -2 + 3j, -2 - 3j], gain=2.3),
+     {"plant.zero.0": -2.5, "plant.pole.1": -0.9, "plant.gain": 2.0}),
+    (Geared(joint=Joint(torque_constant=0.5, resistance=2.0, motor_inertia=0.25, gear_ratio=3.0,
+                        load_damping=0.1, output="deg/s")),
+     {"plant.joint.torque_constant": 0.6, "plant.joint.load_inertia": 0.5}),
+    (Geared(joint=Joint(torque_constant=0.5, resistance=2.0, motor_inertia=0.25, inductance=0.01,
+                        back_emf=0.4)),
+     {"plant.joint.torque_constant": 0.6, "plant.joint.gear_ratio": 5.0}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("source", "changes"), SOURCES)
+def test_coefficients_of_a_batch_are_those_of_each_plant(source, changes):
+    standing = {key: nominal(source)[key] for key in changes}
+    columns = {key: np.array([changes[key], standing[key]]) for key in changes}
+    num, den = coefficients(source, columns, 2)
+    for i, values in enumerate((changes, standing)):
+        plant = plant_of(source, values, source.dead_time)
+        # a few roundings of products of floats; no differences of large numbers among them
+        for found, exact in ((num, plant.num), (den, plant.den)):
+            assert found[:, i] == pytest.approx(exact, rel=2e-15, abs=1e-15)
+
+
+def test_numbers_that_stand_keep_all_their_digits():
+    third = zoh.Plant.parse("1/3/(s^2 + 0.7809 s)")
+    varied = plant_of(third, {"plant.den.1": 0.5}, 0.1)
+    assert varied.exact[0] == third.exact[0]
+    assert (varied.den, varied.dead_time) == ((1.0, 0.5, 0.0), 0.1)
+    assert plant_of(third, {}, 0.0).exact == third.exact
+
+
+def test_a_complex_root_is_no_single_number():
+    ringing = Roots(zeros=[], poles=[-1 + 2j, -1 - 2j, -3], gain=1.0)
+    assert sorted(nominal(ringing)) == ["plant.gain", "plant.pole.2"]

@@ -67,6 +67,14 @@ def test_a_store_that_is_whole_is_not_touched_again(tmp_path):
     assert [os.stat(f).st_mtime_ns for f in Path(path).rglob("*")] == times
 
 
+def test_a_first_write_that_did_not_end_is_no_store(tmp_path):
+    folder = tmp_path / "a.zarr"
+    folder.mkdir()
+    (folder / "zarr.1234.partial").write_text("{")
+    assert sweep_to(str(folder), JOB, space(10)).loops == 10
+    assert not list(folder.rglob("*.partial"))
+
+
 def test_only_what_is_asked_for_is_kept(tmp_path):
     path = str(tmp_path / "a.zarr")
     sweep_to(path, JOB, space(10), keep=["ms", "wc"])

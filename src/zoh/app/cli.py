@@ -9,7 +9,7 @@ import os
 import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 from warnings import catch_warnings, simplefilter
 
 import numpy as np
@@ -21,6 +21,9 @@ from zoh.app.project import Project, read
 from zoh.app.sweep_options import declare
 from zoh.choice.map import Map
 from zoh.errors import AccuracyWarning, Infeasible, NotMet, SpecError, ZohError
+
+if TYPE_CHECKING:
+    from zoh.app.sweep import Swept
 
 MET, NOT_MET, BAD_INPUT = 0, 1, 2
 DEFECT = 70  # EX_SOFTWARE: neither the input nor the specification is to blame
@@ -155,6 +158,8 @@ def _sweep(arguments: Namespace) -> int:
     from zoh.app.sweep import as_text, to_dict
     from zoh.app.sweep_command import swept
 
+    if arguments.figures is not None:
+        files.refuse_what_is_there(arguments.figures, ["sweep.json"], force=arguments.force)
     found = swept(arguments)
     if arguments.json:
         print(_json(to_dict(found)), end="")
@@ -162,10 +167,21 @@ def _sweep(arguments: Namespace) -> int:
         _console().out("\n".join(as_text(one) for one in found))
     if arguments.out is not None:
         print(f"zoh: wrote {arguments.out}", file=sys.stderr)
+    if arguments.figures is not None:
+        drawn = _with_matplotlib(lambda: _bands(found))
+        contents = {"sweep.json": _json(to_dict(found)), **drawn}
+        files.write_all(arguments.figures, contents, force=arguments.force)
+        print(f"zoh: wrote {len(contents)} files to {arguments.figures}", file=sys.stderr)
     none = [one.name for one in found if one.summary.met == 0]
     if none:
         return _fail(NOT_MET, f"no loop is as asked and keeps every requirement: {', '.join(none)}")
     return MET
+
+
+def _bands(found: "Sequence[Swept]") -> Mapping[str, str | bytes]:
+    from zoh.app.sweep_figures import figures
+
+    return figures((one.name, one.held) for one in found if one.held is not None)
 
 
 def _maps(found: Iterable[tuple[Entry, Map]]) -> dict[str, str | bytes]:

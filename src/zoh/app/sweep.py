@@ -12,11 +12,12 @@ from zoh.batch import backend
 from zoh.batch.figures import FIGURES
 from zoh.batch.job import Job
 from zoh.batch.reason import Reason
+from zoh.batch.result import Sweep
 from zoh.batch.sources import nominal_plant
 from zoh.batch.space import Random, Space
 from zoh.batch.stream import sweep_to
 from zoh.batch.summary import Summary
-from zoh.batch.sweep import sweep, sweep_summary
+from zoh.batch.sweep import sweep_of, sweep_summary
 from zoh.batch.workers import Progress
 from zoh.errors import SpecError
 from zoh.pipeline import design
@@ -33,23 +34,26 @@ class Options:
     arithmetic  the name of one, None where the number of loops chooses
     client      a Dask client, None where the work is done here
     fixed       whether each controller is designed once, on the plant as it stands
+    held        whether every loop is held in memory, for figures
     """
 
     out: str | None = None
     arithmetic: str | None = None
     client: Any = None
     fixed: bool = False
+    held: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Swept:
-    """One controller of the project, swept."""
+    """One controller of the project, swept; ``held`` are its loops, where they are in memory."""
 
     name: str
     law: str
     space: Space
     summary: Summary
     computed_by: str
+    held: Sweep | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return the JSON form: the summary, each extreme with what varies in its loop."""
@@ -102,20 +106,20 @@ def _swept(
         "requirements": project.requirements, "arithmetic": options.arithmetic,
         "client": options.client, "progress": progress,
     }  # fmt: skip
-    if options.out is None:
-        summary = sweep_summary(job, space, **more)
-    elif options.out.endswith(ZARR):
+    held = None
+    if options.held or (options.out or "").endswith(NETCDF):
+        held = sweep_of(job, space, **more)
+        if options.out is not None:
+            (held.to_zarr if options.out.endswith(ZARR) else held.to_netcdf)(options.out)
+        summary = held.summary
+    elif options.out is not None:
         summary = sweep_to(options.out, job, space, **more)
     else:
-        held = sweep(
-            job.plant, job.law, job.asked, over=space, dt=job.dt, controller=job.controller,
-            compute_delay=job.compute_delay, reference=job.reference, sections=job.sections, **more,
-        )  # fmt: skip
-        held.to_netcdf(options.out)
-        summary = held.summary
+        summary = sweep_summary(job, space, **more)
     return Swept(
-        name=controller.name, law=job.law, space=space, summary=summary, computed_by=choice.why
-    )
+        name=controller.name, law=job.law, space=space, summary=summary, computed_by=choice.why,
+        held=held,
+    )  # fmt: skip
 
 
 def job_of(

@@ -22,8 +22,9 @@ def swept(arguments: Namespace) -> tuple[Swept, ...]:
     )  # fmt: skip
     client = None if arguments.scheduler is None else connected(arguments.scheduler)
     options = Options(
-        out=arguments.out, arithmetic=arguments.arithmetic, client=client, fixed=arguments.fixed
-    )
+        out=arguments.out, arithmetic=arguments.arithmetic, client=client, fixed=arguments.fixed,
+        held=arguments.figures is not None,
+    )  # fmt: skip
     try:
         with _bars() as watched:
             return sweep_all(project, space, arguments.controller, options, watched)
@@ -51,9 +52,9 @@ def _bars() -> Iterator[Callable[[str], Progress | None]]:
             task = bars.add_task(name, total=None, rate="")
 
             def told(done: int, loops: int) -> None:
+                bars.update(task, completed=done, total=loops)
                 speed = bars.tasks[task].speed
-                rate = "" if speed is None else f"{speed:,.0f} loops/s"
-                bars.update(task, completed=done, total=loops, rate=rate)
+                bars.update(task, rate="" if speed is None else f"{speed:,.0f} loops/s")
 
             return told
 

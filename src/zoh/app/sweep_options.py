@@ -27,5 +27,7 @@ def declare(parser: ArgumentParser) -> None:
         "--out", metavar="FILE",
         help="write every loop to FILE.nc, or to FILE.zarr, which goes on where it was ended",
     )  # fmt: skip
+    add("--figures", metavar="DIR", help="draw maps or bands there")
+    add("--force", action="store_true", help="let --figures replace files")
     add("--scheduler", metavar="ADDRESS", help="let the workers of a Dask scheduler do the work")
     add("--arithmetic", metavar="NAME", help="compute it this way; chosen where left out")

@@ -51,7 +51,7 @@ class Way:
         )
 
 
-SINGLE = Way(name="single", module="zoh.batch.single", chunk=64, block=1024)
+SINGLE = Way(name="single", module="zoh.batch.single", chunk=64, block=256)
 ARRAYS = Way(name="arrays", module="zoh.batch.arrays", least=16, chunk=4096, block=65536)
 COMPILED = Way(
     name="compiled", module="zoh.batch.compiled.run", needs="numba", least=20_000, chunk=65536,

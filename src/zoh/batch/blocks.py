@@ -1,15 +1,22 @@
 """A sweep as blocks: each is made from its number alone, wherever and whenever it is asked for."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
+import zoh
 from zoh.batch import backend
 from zoh.batch.columns import Columns, Results
 from zoh.batch.job import Job
 from zoh.batch.sources import FloatArray
 from zoh.batch.space import Rows, Space
+from zoh.errors import SpecError
+
+
+def versions() -> str:
+    """Return what the bits of a figure depend on, besides the machine."""
+    return f"zoh {zoh.__version__}, NumPy {np.__version__}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,7 +31,11 @@ class Block:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Task:
-    """One block still to be computed; small, for it is what is sent to a worker."""
+    """One block still to be computed; small, for it is what is sent to a worker.
+
+    offset  the loop that the space begins at, where it is a part of the sweep's
+    told_by the versions that it was made with, which whoever does it must have, too
+    """
 
     job: Job
     space: Space
@@ -33,9 +44,16 @@ class Task:
     start: int
     stop: int
     offset: int = 0
+    told_by: str = field(default_factory=versions)
 
     def done(self) -> Block:
-        """Return the block; the same bits on every run of the same arithmetic."""
+        """Return the block; the same bits on every run of the same arithmetic.
+
+        Raises SpecError where another version of zoh or NumPy is installed here.
+        """
+        if self.told_by != versions():
+            bound = f"must have {self.told_by} on every worker"
+            raise SpecError("client", bound, versions(), "install the same ones")
         columns = self.space.columns(self.start - self.offset, self.stop - self.offset)
         results = computed(self.job, columns, self.arithmetic)
         return Block(start=self.start, stop=self.stop, columns=columns, results=results)

@@ -6,7 +6,7 @@ same bits. The row is the block's ``Summary``: what a sweep comes to is read, no
 """
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 from importlib.metadata import version
@@ -126,10 +126,9 @@ def _begun(store: _Store, plan: Plan) -> Any:
     """Return the rows of the blocks that are there; make what is missing of an empty store."""
     zarr, folder = needed("zarr", "a sweep on disk"), Path(store.path)
     mark = _mark(store, plan)
-    fresh = not folder.exists() or not any(folder.iterdir())
-    if fresh:
-        group = zarr.open_group(store.path, mode="a")
-        group.attrs.update({**described(plan.job), _MARK: mark})
+    if _is_fresh(folder):
+        about = {**described(plan.job), _MARK: mark}
+        group = zarr.create_group(store.path, attributes=about)  # one write: with its mark or not
     else:
         group = _opened(zarr, store.path)
         if group.attrs.get(_MARK) != mark:
@@ -143,6 +142,11 @@ def _begun(store: _Store, plan: Plan) -> Any:
     for part in _scraps(folder):
         part.unlink(missing_ok=True)
     return group[_BLOCKS][:]
+
+
+def _is_fresh(folder: Path) -> bool:
+    """Return whether nothing is there, or only a first write that did not come to its end."""
+    return not folder.exists() or all(part in _scraps(folder) for part in folder.iterdir())
 
 
 def _opened(zarr: Any, path: str) -> Any:
@@ -166,9 +170,9 @@ def _array(
     )  # fmt: skip
 
 
-def _scraps(folder: Path) -> Iterator[Path]:
-    """Yield what a write left that did not come to its end; nothing reads it."""
-    return folder.glob("**/*.partial")
+def _scraps(folder: Path) -> list[Path]:
+    """Return what a write left that did not come to its end; nothing reads it."""
+    return list(folder.glob("**/*.partial"))
 
 
 def _length(plan: Plan, number: int) -> int:

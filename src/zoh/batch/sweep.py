@@ -63,18 +63,28 @@ def sweep(
         compute_delay=compute_delay, reference=reference, sections=tuple(sections),
         varying=space.keys,
     )  # fmt: skip
-    if space.size > MOST_IN_MEMORY:
+    return sweep_of(
+        job, space, requirements=requirements, arithmetic=arithmetic, client=client,
+        progress=progress,
+    )  # fmt: skip
+
+
+def sweep_of(
+    job: Job, over: Over, *, requirements: Requirements = NOTHING_ASKED,
+    arithmetic: str | None = None, client: Any = None, progress: Progress | None = None,
+) -> Sweep:  # fmt: skip
+    """Return every loop of a space, of a job that is already put together; as ``sweep`` does."""
+    plan = plan_of(job, over, arithmetic, None)
+    if plan.loops > MOST_IN_MEMORY:
         way_out = "zoh.sweep_to writes a longer one to disk, zoh.sweep_summary keeps no loop"
-        raise SpecError("over", f"must have {MOST_IN_MEMORY} loops or fewer", space.size, way_out)
+        raise SpecError("over", f"must have {MOST_IN_MEMORY} loops or fewer", plan.loops, way_out)
     bounds.asked(requirements)
-    choice = backend.choose(job, space.size, arithmetic)
-    plan = Plan(job=job, space=space, arithmetic=choice.way.name, block=choice.way.block)
     found = watched(Task.done, plan, client, progress, 0, plan.loops)
     done = sorted(found, key=lambda block: block.start)
     return Sweep(
-        job=job, space=space, columns=_joined([b.columns for b in done]),
+        job=job, space=plan.space, columns=_joined([b.columns for b in done]),
         results=_joined([b.results for b in done]), requirements=requirements,
-        computed_by=choice.why,
+        computed_by=backend.choose(job, plan.loops, arithmetic).why,
     )  # fmt: skip
 
 

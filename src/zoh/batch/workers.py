@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterable, Iterator
 from itertools import islice
 from typing import Any, TypeVar
 
-import zoh
 from zoh.batch.blocks import Task
 from zoh.batch.extras import needed
 from zoh.errors import SpecError
@@ -63,7 +62,6 @@ def _spread(
     function: Callable[[Task], T], tasks: Iterator[Task], client: Any
 ) -> Iterator[tuple[Task, T]]:
     distributed = needed("distributed", "a sweep over a cluster")
-    _same_version(client)
     waiting: dict[Any, Task] = {}
     done = distributed.as_completed(loop=client.loop)
 
@@ -79,15 +77,3 @@ def _spread(
         future.release()
         submit(1)
         yield task, value
-
-
-def _same_version(client: Any) -> None:
-    """Refuse workers with another version: their figures would stand beside ours."""
-    for address, version in client.run(_version).items():
-        if version != zoh.__version__:
-            bound = f"must have zoh {zoh.__version__} on every worker"
-            raise SpecError("client", bound, f"{version} at {address}", "install the same one")
-
-
-def _version() -> str:
-    return zoh.__version__
