@@ -59,7 +59,16 @@ def _tops(k: Indices, a: Array, begin: int, level: float) -> set[int]:
     high = a[left:-1] + reach > level + _ROUNDING * max(abs(level), abs(float(a.max())))
     found = ((rise >= 0) & (fall >= 0) & high).nonzero()[0] + left
     best = found[(-a[found]).argsort(kind="stable")]
-    return {*found[:_LOOKED].tolist(), *best[:_LOOKED].tolist()}
+    first = {0} if begin == 0 and _first_may(k, a, level) else set()
+    return {*found[:_LOOKED].tolist(), *best[:_LOOKED].tolist(), *first}
+
+
+def _first_may(k: Indices, a: Array, level: float) -> bool:
+    """Return whether a crest above the level may be before the second row; no row is before."""
+    if len(a) < 3:
+        return True
+    slope = (a[1] - a[2]) / float(k[2] - k[1])
+    return bool(a[1] + slope * float(k[1] - k[0]) > level)
 
 
 def filled(motion: Motion, track: Track, rows: list[int]) -> Track:
