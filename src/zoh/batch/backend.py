@@ -52,7 +52,7 @@ class Way:
 
 
 SINGLE = Way(name="single", module="zoh.batch.single", chunk=64, block=256)
-ARRAYS = Way(name="arrays", module="zoh.batch.arrays", least=16, chunk=4096, block=65536)
+ARRAYS = Way(name="arrays", module="zoh.batch.arrays.run", least=16, chunk=4096, block=65536)
 COMPILED = Way(
     name="compiled", module="zoh.batch.compiled.run", needs="numba", least=20_000, chunk=65536,
     block=262144, starts="the first use ever compiles for some 20 s, later ones start at once",

@@ -1,14 +1,14 @@
-"""The highest that one step response goes between its samples; see ``zoh.batch.between``."""
+"""The highest that one step response goes between its samples; see ``zoh.batch.arrays.between``."""
 
 from math import inf
 from typing import NamedTuple
 
 import numpy as np
 
+from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled.jit import compiled
 from zoh.batch.compiled.motion import SIZE, Motion
 from zoh.batch.compiled.plant import ORDER, Plant, advanced
-from zoh.batch.rows import Array
 
 _REACH, _TERMS, _LAST = 20.0, 72, 1e-15
 _NOTHING = 1e-18
@@ -43,9 +43,7 @@ def pieces() -> Pieces:
 
 
 @compiled
-def cut(
-    q: Pieces, m: Motion, p: Plant, n: int, delay: int, lead: float, size: int
-) -> int:
+def cut(q: Pieces, m: Motion, p: Plant, n: int, delay: int, lead: float, size: int) -> int:
     """Write the parts of every sample over which the input is held; return how many."""
     count = 2 if delay and lead > 0.0 else 1
     q.ends[0], q.ends[count] = 0.0, 1.0
@@ -96,7 +94,8 @@ def slope(q: Pieces, p: Plant, state: int, piece: int, n: int, j: int) -> float:
     if n == 0:
         return 0.0
     of_state = q.state[state, 1, j] if n > 1 else p.rows[1, 0] * q.state[state, 0, j]
-    return (of_state + p.markov[0] * q.input[piece, j]) * p.numbers[1]
+    whole: float = (of_state + p.markov[0] * q.input[piece, j]) * p.numbers[1]
+    return whole
 
 
 @compiled
@@ -160,7 +159,7 @@ def crest(
 @compiled
 def turning(g: Array, terms: int, t: float) -> float:
     """Return where the slope of the series changes from rising to falling in (0, 1)."""
-    low, high = 0.0, 1.0
+    low, high, new = 0.0, 1.0, t
     for _ in range(60):
         f, df = terms * g[terms], 0.0
         for k in range(terms - 1, 0, -1):
@@ -172,7 +171,7 @@ def turning(g: Array, terms: int, t: float) -> float:
             low = t
         else:
             high = t
-        new = t - f / df
+        new = t - float(f / df)
         if not low < new < high:
             new = (low + high) / 2.0
         if abs(new - t) <= _LAST:

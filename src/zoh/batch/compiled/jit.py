@@ -14,17 +14,18 @@ from typing import TypeVar, cast
 from numba import njit
 
 Function = TypeVar("Function", bound=Callable[..., object])
-_WAY = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
 
 
 def compiled(function: Function) -> Function:
     """Return the function, compiled when it is first called, as a part of what calls it."""
-    return cast(Function, njit(**_WAY)(function))
+    made = njit(nogil=True, error_model="numpy", fastmath={"contract"})(function)
+    return cast(Function, made)
 
 
 def kept(function: Function) -> Function:
     """Return the function, compiled when it is first called and kept on disk."""
-    return cast(Function, njit(cache=True, **_WAY)(function))
+    made = njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})(function)
+    return cast(Function, made)
 
 
 def stamp() -> int:

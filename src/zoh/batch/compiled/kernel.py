@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from zoh.batch.compiled import between, laws, margins, plant, polynomials, steps
+from zoh.batch.arrays.rows import Array
+from zoh.batch.compiled import between, laws, margins, plant, polynomials, steps, track
 from zoh.batch.compiled import motion as motions
 from zoh.batch.compiled.between import Pieces
 from zoh.batch.compiled.jit import compiled, kept, stamp
@@ -15,7 +16,6 @@ from zoh.batch.compiled.margins import measured, stable
 from zoh.batch.compiled.motion import Law, Motion
 from zoh.batch.compiled.plant import Plant, held
 from zoh.batch.compiled.polynomials import on_axis, times
-from zoh.batch.rows import Array
 
 _EDGE, _TOL, _EXACT = 1e-11, 1e-9, 1e-12
 GAINS = 4  # at most, of a law
@@ -49,8 +49,8 @@ def made() -> Work:
     return Work(
         plant=plant.plant(), law=motions.law(), motion=motions.motion(), pieces=between.pieces(),
         num=np.zeros(line), den=np.zeros(line), more=np.zeros(line), roots=np.zeros(line),
-        work=polynomials.work(), parts=np.zeros((12, line)), ladder=steps.ladder(),
-        zs=steps.states(), seen=np.zeros(steps.SEEN),
+        work=polynomials.work(), parts=np.zeros((12, line)), ladder=track.ladder(),
+        zs=track.states(), seen=np.zeros(track.SEEN),
     )  # fmt: skip
 
 
@@ -100,7 +100,10 @@ def one(
         return True
     reason[i] = OK
     if code != GIVEN:
-        off = abs(margin[margins.PM] - pm_deg) > _TOL or abs(margin[margins.CROSSOVER] / wc - 1.0) > _TOL
+        off = (
+            abs(margin[margins.PM] - pm_deg) > _TOL
+            or abs(margin[margins.CROSSOVER] / wc - 1.0) > _TOL
+        )
         if off:
             reason[i] = OFF_TARGET
     return False

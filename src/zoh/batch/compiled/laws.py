@@ -1,4 +1,4 @@
-"""One law, solved at one crossover; see ``zoh.batch.laws``, the arithmetic of which this is."""
+"""One law, solved at one crossover; see ``zoh.batch.arrays.laws``, its arithmetic."""
 
 from math import acos, asin, atan, atan2, cos, hypot, nan, pi, sin, sqrt
 

@@ -1,9 +1,10 @@
-"""All margins of one loop; see ``zoh.batch.margins``, the arithmetic of which this is."""
+"""All margins of one loop; see ``zoh.batch.arrays.margins``, the arithmetic of which this is."""
 
 from math import atan, atan2, degrees, inf, log, nan, pi, radians, sqrt
 
 import numpy as np
 
+from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled.jit import compiled
 from zoh.batch.compiled.polynomials import (
     MOST,
@@ -16,7 +17,6 @@ from zoh.batch.compiled.polynomials import (
     with_slope,
     without,
 )
-from zoh.batch.rows import Array
 
 _PIVOT = 1e-11
 _ONE = 1e-11
@@ -116,7 +116,7 @@ def by_gain(
 
 @compiled
 def unities(gain: Array, n: int, roots: Array, work: Array) -> tuple[int, bool]:
-    """Return ``positive_roots`` of what is 0 at q = 1, the crossover asked for, if it is a law's."""
+    """Return ``positive_roots``; of a law's loop one is q = 1, the crossover asked for."""
     value, bulk = 0.0, 0.0
     for k in range(n + 1):
         value += gain[k]
@@ -239,9 +239,7 @@ def on_grid(a: Array, b: Array, n: int, grid: Array) -> int:
 
 
 @compiled
-def flat(
-    a: Array, b: Array, n: int, low: float, high: float, q: float
-) -> tuple[float, bool]:
+def flat(a: Array, b: Array, n: int, low: float, high: float, q: float) -> tuple[float, bool]:
     """Return (where the slope of a/b becomes positive in (low, high), whether it does)."""
     falls, rises, last = False, False, inf
     for _ in range(_STEPS):

@@ -1,14 +1,14 @@
-"""The motion of one closed loop and its modes; see ``zoh.batch.motion``."""
+"""The motion of one closed loop and its modes; see ``zoh.batch.arrays.motion``."""
 
 from math import cos, hypot, inf, log, pi, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
+from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled.jit import compiled
 from zoh.batch.compiled.plant import ORDER, Plant
 from zoh.batch.compiled.polynomials import MOST
-from zoh.batch.rows import Array
 
 SIZE = 15  # of Z: a plant of order 6, four inputs under way, a controller of order 3, a one
 _ROOTS, _ENOUGH = 60, 1e-4

@@ -1,4 +1,4 @@
-"""The zero-order hold of one plant; see ``zoh.batch.held``, the arithmetic of which this is.
+"""The zero-order hold of one plant; see ``zoh.batch.arrays.held``, the arithmetic of which this is.
 
 What belongs to a plant is written into a ``Plant``'s arrays, made once and used for every loop.
 """
@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled.jit import compiled
-from zoh.batch.rows import Array
 
 ORDER = 6
 _SMALL, _SLOW = 0.5, 1.5
@@ -35,7 +35,7 @@ _FACTORIAL = np.cumprod(np.concatenate([[1.0], np.arange(1.0, _EULER_TERMS + 2)]
 
 
 class Plant(NamedTuple):
-    """What the hold makes: see ``zoh.batch.held.Held``; the first places of longer arrays.
+    """What the hold makes: see ``zoh.batch.arrays.held.Held``; the first places of longer arrays.
 
     a, b     the plant in samples, then in the unit;  markov in the unit, h in samples
     numbers  direct, samples of the unit, reach, how far off the gain at rest has come out, terms

@@ -1,14 +1,14 @@
 """Polynomials of one loop: ascending powers in the first n + 1 places of an array.
 
-The methods and their sources are those of ``zoh.batch.rows``.
+The methods and their sources are those of ``zoh.batch.arrays.rows``.
 """
 
 from math import inf, sqrt
 
 import numpy as np
 
+from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled.jit import compiled
-from zoh.batch.rows import Array
 
 MOST = 32  # places of every work array
 _STEPS = 120
@@ -19,7 +19,7 @@ _DOUBLE = 1e-10
 @compiled
 def at(a: Array, n: int, x: float) -> float:
     """Return the value at x."""
-    value = a[n]
+    value: float = a[n]
     for k in range(n - 1, -1, -1):
         value = value * x + a[k]
     return value

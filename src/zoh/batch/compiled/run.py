@@ -10,14 +10,14 @@ import numpy as np
 
 from zoh.analysis.realised import realised
 from zoh.batch import single
-from zoh.batch.arrays import Batch, batch, covers
+from zoh.batch.arrays.rows import Array
+from zoh.batch.arrays.run import Batch, batch, covers
 from zoh.batch.columns import Columns, Results, empty, length
 from zoh.batch.compiled import kernel, laws, margins, steps
 from zoh.batch.compiled.kernel import GAINS, GIVEN, Work
 from zoh.batch.figures import gain_names
 from zoh.batch.job import Job
 from zoh.batch.reason import Reason
-from zoh.batch.rows import Array
 
 CHUNK = 16384  # loops whose columns are made at once
 _STRETCH = 1024  # loops that a core takes at a time
@@ -117,9 +117,7 @@ def _asked(job: Job, wanted: Batch, n: int) -> tuple[Array, Array, Array, Array]
     return asked["wc"], asked["pm_deg"], spare, asked.get("filter_pole", zero)
 
 
-def _results(
-    job: Job, gains: Array, margin: Array, step: Array, reason: np.ndarray
-) -> Results:
+def _results(job: Job, gains: Array, margin: Array, step: Array, reason: np.ndarray) -> Results:
     out = empty(job, len(reason))
     has = np.isin(reason, (Reason.OK, Reason.OFF_TARGET))
     for place, name in enumerate(gain_names(job.law)):

@@ -1,113 +1,58 @@
-"""The metrics of one step response; see ``zoh.batch.steps``, the arithmetic of which this is.
+"""The metrics of one step response; see ``zoh.batch.arrays.steps``, its arithmetic.
 
 What a long stride meets is closed in on at once, from the sample before.
 """
 
 from math import ceil, inf, log, nan
 
-import numpy as np
-
-from zoh.batch.compiled.between import Pieces, crest, estimate
+from zoh.batch.arrays.rows import Array
+from zoh.batch.compiled.between import Pieces, crest
 from zoh.batch.compiled.jit import compiled
 from zoh.batch.compiled.motion import Motion
 from zoh.batch.compiled.plant import Plant
-from zoh.batch.rows import Array
+from zoh.batch.compiled.samples import every_sample
+from zoh.batch.compiled.strides import long_stride
+from zoh.batch.compiled.track import (
+    AT_CREST,
+    BAND,
+    BLOCK,
+    CREST,
+    FOUND,
+    HIGHEST,
+    K_10,
+    K_90,
+    K_CREST,
+    K_OUT,
+    K_TOP,
+    KEPT,
+    LEAST_U,
+    LEVELS,
+    MOST_U,
+    NEXT,
+    OTHER,
+    PIECE,
+    THERE,
+    TOP,
+    WHEN,
+    WIDE,
+    Z,
+    along,
+    start,
+    twice,
+)
 
 _LOST = 2e-9
 _TURN = 0.25
-_BAND, _NEAR, _CREST = 0.02, 0.9, 0.98
-_BLOCK = 32
+_NEAR = 0.9
 _QUIET = log(1e8)
 _NOTHING = 1e-10
-_LEVELS, _MOST = 40, 4096
-WIDE, _NARROW = 16, 8  # numbers that are moved at once, a whole number of vectors; the rest are 0
+_MOST = 4096
 
-# places of what is seen
-(
-    TOP, K_TOP, BOTTOM, MOST_U, LEAST_U, K_10, K_90, K_OUT, HIGHEST, WHEN, CREST, K_CREST, PIECE,
-    Y1, Y2, U1, U2, K1, K2,
-) = range(19)  # fmt: skip
-SEEN = 19
 # places of the figures
 (
     OVERSHOOT, RISE, SETTLING, PEAK, PEAK_TIME, ERROR, EFFORT, BETWEEN_OVERSHOOT, BETWEEN_TIME,
 ) = range(9)  # fmt: skip
 FIGURES = 9
-
-# places of the states that are kept
-_Z, _NEXT, _LAST, _BEFORE, _AT_CREST, _FOUND, _THERE = range(7)
-_KEPT = 8
-
-
-def ladder() -> Array:
-    """Return the array of the doublings of delta, by columns: [level, j, i] is s_ij."""
-    return np.zeros((_LEVELS + 1, WIDE, WIDE))
-
-
-def states() -> Array:
-    """Return the array of the states that are kept; behind them a block of samples."""
-    return np.zeros((_KEPT + _BLOCK + 1, WIDE))
-
-
-@compiled
-def along(row: Array, z: Array, size: int) -> float:
-    """Return row z."""
-    total = 0.0
-    for j in range(size):
-        total += row[j] * z[j]
-    return total
-
-
-@compiled
-def move(s: Array, z: Array, size: int, out: Array) -> None:
-    """Write z + s z, s by columns."""
-    if size <= _NARROW:
-        for i in range(_NARROW):
-            out[i] = z[i]
-        for j in range(size):
-            part = z[j]
-            for i in range(_NARROW):
-                out[i] += s[j, i] * part
-    else:
-        for i in range(WIDE):
-            out[i] = z[i]
-        for j in range(size):
-            part = z[j]
-            for i in range(WIDE):
-                out[i] += s[j, i] * part
-
-
-@compiled
-def twice(s: Array, size: int, out: Array) -> None:
-    """Write 2 s + s s, by columns."""
-    wide = _NARROW if size <= _NARROW else WIDE
-    for k in range(size):
-        for i in range(wide):
-            out[k, i] = 2.0 * s[k, i]
-        for j in range(size):
-            part = s[k, j]
-            for i in range(wide):
-                out[k, i] += s[j, i] * part
-
-
-@compiled
-def last(
-    row: Array, factor: float, above: float, ladder: Array, level: int, zs: Array, start: int,
-    k: float, end: float, size: int,
-) -> float:  # fmt: skip
-    """Return the last sample before ``end`` up to which factor row z > above; z into _FOUND."""
-    found, there = zs[_FOUND], zs[_THERE]
-    for j in range(size):
-        found[j] = zs[start, j]
-    for step in range(level, -1, -1):
-        length = 2.0**step
-        if k + length < end:
-            move(ladder[step], found, size, there)
-            if factor * along(row, there, size) > above:
-                k += length
-                for j in range(size):
-                    found[j] = there[j]
-    return k
 
 
 @compiled
@@ -122,20 +67,20 @@ def step_metrics(
     if not 0.0 < full < inf:
         return True
     start(seen)
-    zs[:_KEPT] = 0.0
-    zs[_Z, size - 1] = 1.0
+    zs[:KEPT] = 0.0
+    zs[Z, size - 1] = 1.0
     for j in range(size):
         for i in range(WIDE):
             ladder[0, j, i] = m.delta[i, j] if i < size else 0.0
     slowest = max(slowest, 1e-14)
     end = max(8.0, ceil(_QUIET / slowest) + 4.0 * size)
     k, level, done, lost = 0.0, 0, False, True
-    while level < _LEVELS:
+    while level < LEVELS:
         twice(ladder[level], size, ladder[level + 1])
-        for _ in range(_MOST // _BLOCK):
+        for _ in range(_MOST // BLOCK):
             if level == 0:
                 every_sample(
-                    m, pieces, count, n, ladder[0], zs[_KEPT:], zs, seen, sign, full, k, size
+                    m, pieces, count, n, ladder[0], zs[KEPT:], zs, seen, sign, full, k, size
                 )
             else:
                 lost_crest = long_stride(
@@ -143,7 +88,7 @@ def step_metrics(
                 )
                 if lost_crest:
                     return True
-            k += _BLOCK * 2.0**level
+            k += BLOCK * 2.0**level
             done, turning = look(m, zs, seen, sign, full, at_rest, order, size)
             if done or k > end:
                 lost = False
@@ -162,238 +107,15 @@ def step_metrics(
 
 
 @compiled
-def start(seen: Array) -> None:
-    """Forget what was seen."""
-    for i in range(SEEN):
-        seen[i] = -1.0
-    seen[TOP], seen[BOTTOM], seen[MOST_U], seen[LEAST_U] = -inf, inf, -inf, inf
-    seen[HIGHEST], seen[CREST] = -inf, -inf
-
-
-@compiled
-def run(s: Array, block: Array, size: int) -> None:
-    """Write Z at the samples of a block, one after the other, from its first row on."""
-    if size > _NARROW:
-        for i in range(_BLOCK):
-            move(s, block[i], size, block[i + 1])
-        return
-    for i in range(_BLOCK):
-        a, b, c, d = block[i, 0], block[i, 1], block[i, 2], block[i, 3]
-        e, f, g, h = block[i, 4], block[i, 5], block[i, 6], block[i, 7]
-        for j in range(size):
-            part = block[i, j]
-            a += s[j, 0] * part
-            b += s[j, 1] * part
-            c += s[j, 2] * part
-            d += s[j, 3] * part
-            e += s[j, 4] * part
-            f += s[j, 5] * part
-            g += s[j, 6] * part
-            h += s[j, 7] * part
-        block[i + 1, 0], block[i + 1, 1], block[i + 1, 2], block[i + 1, 3] = a, b, c, d
-        block[i + 1, 4], block[i + 1, 5], block[i + 1, 6], block[i + 1, 7] = e, f, g, h
-
-
-@compiled
-def note(
-    block: Array, output: Array, effort: Array, seen: Array, sign: float, full: float, k: float,
-    size: int,
-) -> None:  # fmt: skip
-    """Note what the samples of a block show."""
-    top, bottom, most, least = seen[TOP], seen[BOTTOM], seen[MOST_U], seen[LEAST_U]
-    k_out = seen[K_OUT]
-    for i in range(_BLOCK):
-        y = u = 0.0
-        for j in range(size):
-            y += output[j] * block[i, j]
-            u += effort[j] * block[i, j]
-        y *= sign
-        if y > top:
-            if top < 0.9 * full:
-                if top < 0.1 * full <= y:
-                    seen[K_10] = k + i
-                if y >= 0.9 * full:
-                    seen[K_90] = k + i
-            top, seen[K_TOP] = y, k + i
-        bottom = min(bottom, y)
-        most, least = max(most, u), min(least, u)
-        if abs(y - full) > _BAND * full:
-            k_out = k + i
-        if i >= _BLOCK - 2:
-            seen[Y2], seen[U2], seen[K2] = seen[Y1], seen[U1], seen[K1]
-            seen[Y1], seen[U1], seen[K1] = y, u, k + i
-    seen[TOP], seen[BOTTOM], seen[MOST_U], seen[LEAST_U] = top, bottom, most, least
-    seen[K_OUT] = k_out
-
-
-@compiled
-def every_sample(
-    m: Motion, pieces: Pieces, count: int, n: int, s: Array, block: Array, zs: Array, seen: Array,
-    sign: float, full: float, k: float, size: int,
-) -> None:  # fmt: skip
-    """Look at a block of samples, one by one."""
-    for j in range(WIDE):
-        block[0, j] = zs[_Z, j]
-    run(s, block, size)
-    note(block, m.output, m.effort, seen, sign, full, k, size)
-    if count == 1 and n > 1 and pieces.input_slope[0] == 0.0:  # y' is a state then
-        for i in range(_BLOCK):
-            if sign * block[i, 1] > 0.0 > sign * block[i + 1, 1]:
-                note_crest(pieces, 0, block[i], zs, seen, sign, k + i, size)
-    elif n:
-        for piece in range(count):
-            for i in range(_BLOCK):
-                rising = sign * along(pieces.slope0[piece], block[i], size) > 0.0
-                if rising and sign * along(pieces.slope1[piece], block[i], size) < 0.0:
-                    note_crest(pieces, piece, block[i], zs, seen, sign, k + i, size)
-                if piece + 1 < count:
-                    corner = sign * along(pieces.y1[piece], block[i], size)
-                    if corner > seen[CREST]:
-                        keep_crest(block[i], zs, seen, corner, k + i, piece + 0.5, size)
-    for j in range(WIDE):
-        zs[_BEFORE, j], zs[_LAST, j] = block[_BLOCK - 2, j], block[_BLOCK - 1, j]
-        zs[_Z, j] = block[_BLOCK, j]
-
-
-@compiled
-def pass_on(
-    z: Array, zs: Array, seen: Array, y: float, u: float, k: float, size: int
-) -> None:
-    """Make the sample looked at the last one, and the last one the one before."""
-    seen[Y1], seen[Y2], seen[U1], seen[U2], seen[K1], seen[K2] = y, seen[Y1], u, seen[U1], k, seen[K1]
-    for j in range(size):
-        zs[_BEFORE, j], zs[_LAST, j] = zs[_LAST, j], z[j]
-
-
-@compiled
-def note_crest(
-    pieces: Pieces, piece: int, z: Array, zs: Array, seen: Array, sign: float, k: float, size: int
-) -> None:
-    """Keep a crest that is about the highest."""
-    span = pieces.ends[piece + 1] - pieces.ends[piece]
-    y0, y1 = sign * along(pieces.y0[piece], z, size), sign * along(pieces.y1[piece], z, size)
-    slope0 = sign * along(pieces.slope0[piece], z, size)
-    slope1 = sign * along(pieces.slope1[piece], z, size)
-    height = estimate(y0, y1, slope0 * span, slope1 * span)
-    if height > seen[CREST]:
-        keep_crest(z, zs, seen, height, k, float(piece), size)
-
-
-@compiled
-def keep_crest(
-    z: Array, zs: Array, seen: Array, height: float, k: float, piece: float, size: int
-) -> None:
-    """Keep where a crest is, and Z before it."""
-    seen[CREST], seen[K_CREST], seen[PIECE] = height, k, piece
-    for j in range(size):
-        zs[_AT_CREST, j] = z[j]
-
-
-@compiled
-def long_stride(
-    m: Motion, p: Plant, pieces: Pieces, count: int, n: int, ladder: Array, level: int, zs: Array,
-    seen: Array, sign: float, full: float, k: float, size: int,
-) -> bool:  # fmt: skip
-    """Look at a block at a stride of 2^level; return whether a crest between is not known."""
-    stride, unknown = 2.0**level, False
-    z = zs[_Z]
-    for i in range(_BLOCK):
-        here = k + i * stride
-        y, u = sign * along(m.output, z, size), along(m.effort, z, size)
-        y1, y2, u1, u2 = seen[Y1], seen[Y2], seen[U1], seen[U2]
-        before, start = seen[K1], seen[K2]
-        if seen[TOP] < 0.1 * full <= y:
-            seen[K_10] = 1.0 + last(m.output, -sign, -0.1 * full, ladder, level, zs, _LAST, before,
-                                    here, size)  # fmt: skip
-        if seen[TOP] < 0.9 * full <= y:
-            seen[K_90] = 1.0 + last(m.output, -sign, -0.9 * full, ladder, level, zs, _LAST, before,
-                                    here, size)  # fmt: skip
-        side = 1.0 if y1 > full else -1.0
-        off1, off2 = side * (y1 - full), side * (y2 - full)
-        if off1 > _BAND * full >= abs(y - full):
-            seen[K_OUT] = last(m.output, side * sign, (_BAND + side) * full, ladder, level, zs,
-                               _LAST, before, here, size)  # fmt: skip
-        if y1 >= y2 and y1 > y and y1 > seen[TOP] - 0.02 * full:
-            lost = crest_of_y(
-                m, p, pieces, count, n, ladder, level, zs, seen, sign, start, here, size
-            )
-            unknown = unknown or lost
-        if off1 >= off2 and off1 > side * (y - full) and off1 > _CREST * _BAND * full:
-            crest_of_band(m, ladder, level, zs, seen, sign, full, side, start, here, size)
-        for way in (1.0, -1.0):
-            place = MOST_U if way > 0.0 else LEAST_U
-            if way * (u1 - u2) >= 0.0 and way * (u1 - u) > 0.0 and (
-                way * u1 > way * seen[place] - 0.02 * abs(u1)
-            ):
-                last(m.effort_moves, way, 0.0, ladder, level + 1, zs, _BEFORE, start, here, size)
-                move(ladder[0], zs[_FOUND], size, zs[_THERE])
-                seen[place] = way * max(way * seen[place], way * along(m.effort, zs[_THERE], size))
-        if y > seen[TOP]:
-            seen[TOP], seen[K_TOP] = y, here
-        seen[BOTTOM] = min(seen[BOTTOM], y)
-        seen[MOST_U], seen[LEAST_U] = max(seen[MOST_U], u), min(seen[LEAST_U], u)
-        if abs(y - full) > _BAND * full:
-            seen[K_OUT] = here
-        pass_on(z, zs, seen, y, u, here, size)
-        move(ladder[level], z, size, zs[_NEXT])
-        for j in range(size):
-            z[j] = zs[_NEXT, j]
-    return unknown
-
-
-@compiled
-def crest_of_y(
-    m: Motion, p: Plant, pieces: Pieces, count: int, n: int, ladder: Array, level: int, zs: Array,
-    seen: Array, sign: float, k: float, end: float, size: int,
-) -> bool:  # fmt: skip
-    """Close in on a crest, also between the samples; return whether that is not known."""
-    k = last(m.output_moves, sign, 0.0, ladder, level + 1, zs, _BEFORE, k, end, size)
-    unknown = False
-    for shift in range(2):
-        for piece in range(count):
-            height, after, known = crest(p, pieces, piece, n, zs[_FOUND], sign, size)
-            unknown = unknown or not known
-            if piece + 1 < count:
-                corner = sign * along(pieces.y1[piece], zs[_FOUND], size)
-                if corner > height:
-                    height, after = corner, pieces.ends[piece + 1]
-            if height > seen[HIGHEST]:
-                seen[HIGHEST], seen[WHEN] = height, k + shift + after
-        if shift == 0:
-            move(ladder[0], zs[_FOUND], size, zs[_THERE])
-            y = sign * along(m.output, zs[_THERE], size)
-            if y > seen[TOP]:
-                seen[TOP], seen[K_TOP] = y, k + 1.0
-            for j in range(size):
-                zs[_FOUND, j] = zs[_THERE, j]
-    return unknown
-
-
-@compiled
-def crest_of_band(
-    m: Motion, ladder: Array, level: int, zs: Array, seen: Array, sign: float, full: float,
-    side: float, k: float, end: float, size: int,
-) -> None:  # fmt: skip
-    """Note where the band is left for less than a stride."""
-    k = last(m.output_moves, side * sign, 0.0, ladder, level + 1, zs, _BEFORE, k, end, size)
-    move(ladder[0], zs[_FOUND], size, zs[_THERE])
-    if side * (sign * along(m.output, zs[_THERE], size) - full) > _BAND * full:
-        for j in range(size):
-            zs[7, j] = zs[_THERE, j]
-        seen[K_OUT] = last(m.output, side * sign, (_BAND + side) * full, ladder, level + 1, zs, 7,
-                           k + 1.0, end, size)  # fmt: skip
-
-
-@compiled
 def look(
     m: Motion, zs: Array, seen: Array, sign: float, full: float, at_rest: float, order: int,
     size: int,
 ) -> tuple[bool, float]:  # fmt: skip
     """Return (whether nothing new can be seen, how fast what is left still turns)."""
-    a, b = zs[_FOUND], zs[_THERE]
+    a, b = zs[FOUND], zs[THERE]
     for j in range(size):
-        a[j] = zs[_Z, j]
-    dy, du = zs[_NEXT], zs[7]
+        a[j] = zs[Z, j]
+    dy, du = zs[NEXT], zs[OTHER]
     for i in range(order):
         dy[i] = sign * along(m.output, a, size) - (0.0 if i else full)
         du[i] = along(m.effort, a, size) - (0.0 if i else at_rest)
@@ -423,7 +145,7 @@ def look(
             fast_y, fast_u = fast_y + size_y, fast_u + size_u
         if not (size_y <= _LOST * full and size_u <= reach):
             turning = max(turning, m.turn[i])
-    still = of_y < _NEAR * _BAND * full
+    still = of_y < _NEAR * BAND * full
     higher = 0.0 if fast_y <= -slow_y else fast_y + max(slow_y, 0.0)
     still = still and (higher <= seen[TOP] - full or of_y <= _LOST * full)
     higher = 0.0 if fast_u <= -slow_u else fast_u + max(slow_u, 0.0)
@@ -441,7 +163,7 @@ def closing(
     if seen[PIECE] >= 0.0:
         piece = int(seen[PIECE])
         if seen[PIECE] == piece:
-            height, after, known = crest(p, pieces, piece, n, zs[_AT_CREST], sign, size)
+            height, after, known = crest(p, pieces, piece, n, zs[AT_CREST], sign, size)
             unknown = not known
         else:
             height, after = seen[CREST], pieces.ends[piece + 1]

@@ -10,10 +10,10 @@ from math import pi
 import numpy as np
 import numpy.typing as npt
 
-from zoh.batch.held import Held
-from zoh.batch.laws import Solved
-from zoh.batch.margins import Loops
-from zoh.batch.rows import Array, Complex, Mask
+from zoh.batch.arrays.held import Held
+from zoh.batch.arrays.laws import Solved
+from zoh.batch.arrays.margins import Loops
+from zoh.batch.arrays.rows import Array, Complex, Mask
 
 _ROOTS = 40  # Aberth's steps at most: the roots need no more than three digits here
 _ENOUGH = 1e-4
@@ -97,7 +97,7 @@ def _roots(c: Array) -> Complex:
         radius = np.abs(c[:-1] / c[1:])
         radius = np.where(np.isfinite(radius) & (radius > 0), radius, 1.0)
         turn = pi + 0.9 * np.cos(pi * (np.arange(n) + 0.5) / max(n, 1)) * 1.2
-        z = radius * np.exp(1j * turn)[:, None]
+        z: Complex = radius * np.exp(1j * turn)[:, None]
         for _ in range(_ROOTS):
             value, slope = c[-1] + 0j, np.zeros_like(z)
             value = np.broadcast_to(value, z.shape).copy()

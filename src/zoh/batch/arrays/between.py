@@ -10,10 +10,10 @@ from math import factorial
 
 import numpy as np
 
-from zoh.batch import rows as polynomials
-from zoh.batch.held import Held, advanced
-from zoh.batch.motion import Motion
-from zoh.batch.rows import Array, Mask
+from zoh.batch.arrays import rows as polynomials
+from zoh.batch.arrays.held import Held, advanced
+from zoh.batch.arrays.motion import Motion
+from zoh.batch.arrays.rows import Array, Mask
 
 _REACH = 20.0  # of |A| dt, up to which the series has kept its digits
 _TERMS = 72
@@ -72,7 +72,8 @@ def _one(place: int, size: tuple[int, ...]) -> Array:
 def _slope(plant: Held, at: Array, u: Array) -> Array:
     """Return dy/dt per sample as rows on Z."""
     of_state = at[1] if len(at) > 1 else plant.rows[1, 0] * at[0]
-    return (of_state + plant.markov[0] * u) * plant.samples
+    slope: Array = (of_state + plant.markov[0] * u) * plant.samples
+    return slope
 
 
 def estimate(y0: Array, y1: Array, slope0: Array, slope1: Array) -> Array:
@@ -114,7 +115,8 @@ def _reach(plant: Held) -> Array:
     """Return Fujiwara's bound on the poles, from the last row of the companion matrix."""
     n = plant.rows.shape[1]
     last = plant.rows[n]
-    return 2 * np.max([np.abs(last[j]) ** (1 / (n - j)) for j in range(n)], axis=0)
+    bound: Array = 2 * np.max([np.abs(last[j]) ** (1 / (n - j)) for j in range(n)], axis=0)
+    return bound
 
 
 def _series(plant: Held, x: Array, u: Array, span: Array, terms: int) -> Array:
@@ -144,7 +146,8 @@ def _needed(reach: float, n: int) -> int:
 def _root(slope: Array) -> Array:
     """Return where the slope changes from rising to falling in (0, 1)."""
     low, high = np.zeros(slope.shape[1]), np.ones(slope.shape[1])
-    t = slope[0] / (slope[0] - np.sum(slope, axis=0))
+    t: Array = slope[0] / (slope[0] - np.sum(slope, axis=0))
+    new = t
     for _ in range(60):
         f, df = polynomials.with_slope(slope, t)
         low, high = np.where(f > 0, t, low), np.where(f > 0, high, t)

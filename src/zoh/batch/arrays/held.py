@@ -7,9 +7,9 @@ parameters h_j = C A^j B, which are 0 exactly where the plant's pole excess make
     delta = e^A - I,    B(t) = sum_m t^(m+1)/(m+1)! A^m B,    z x = (I + delta) x + B u
 
 as series, halved first and doubled afterwards where the plant is fast. A delay of m samples
-less the fraction ``lead`` adds (1 + (z - 1)) B(lead) and z^-m. The numerator C adj((z-1)I - delta) B
-comes from the Faddeev-LeVerrier recursion; p = w dt/2 = (z - 1)/(z + 1) is the variable of the
-result. The gain at z = -1, where sampling puts a zero for an even excess, is built by itself::
+less the fraction ``lead`` adds (1 + (z - 1)) B(lead) and z^-m. The numerator C adj(x I - delta) B,
+x = z - 1, comes from the Faddeev-LeVerrier recursion; p = w dt/2 = (z - 1)/(z + 1) is the variable
+of the result. The gain at z = -1, where sampling puts a zero for an even excess, is made apart::
 
     G(-1) = sum_k E_k(lead) h_(k-1)/k!        (E_k: Euler's polynomials)
 
@@ -114,13 +114,15 @@ def _is_exact(a: Array, b: Array, top: Array, bottom: Array) -> npt.NDArray[np.b
     first, held_first = (np.take_along_axis(c, i, axis=0)[0] for c in (a, bottom))
     with np.errstate(all="ignore"):
         off = top[0] / held_first * 2.0 ** i[0] * first / b[0] - 1
-    return (b[0] == 0) | (np.abs(off) <= _EXACT)
+    exact: npt.NDArray[np.bool_] = (b[0] == 0) | (np.abs(off) <= _EXACT)
+    return exact
 
 
 def _reach(a: Array) -> Array:
     """Return a bound on the poles' sizes (Fujiwara's)."""
     n = len(a) - 1
-    return 2 * np.max([np.abs(a[j]) ** (1 / (n - j)) for j in range(n)], axis=0)
+    bound: Array = 2 * np.max([np.abs(a[j]) ** (1 / (n - j)) for j in range(n)], axis=0)
+    return bound
 
 
 def _halvings(reach: Array) -> npt.NDArray[np.int64]:

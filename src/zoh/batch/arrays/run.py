@@ -9,17 +9,18 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from zoh.batch import laws, rows, single
+from zoh.batch import single
+from zoh.batch.arrays import laws, rows
+from zoh.batch.arrays.held import Held, held
+from zoh.batch.arrays.laws import Solved
+from zoh.batch.arrays.margins import Loops, measured, stable
+from zoh.batch.arrays.motion import motion, poles
+from zoh.batch.arrays.rows import Array, Mask, only
+from zoh.batch.arrays.steps import step_metrics
 from zoh.batch.columns import Columns, Results, coefficients, column, empty, length
 from zoh.batch.figures import BY_NAME
-from zoh.batch.held import Held, held
 from zoh.batch.job import GIVEN, Job
-from zoh.batch.laws import Solved
-from zoh.batch.margins import Loops, measured, stable
-from zoh.batch.motion import motion, poles
 from zoh.batch.reason import Reason
-from zoh.batch.rows import Array, Mask, only
-from zoh.batch.steps import step_metrics
 
 CHUNK = 1024  # loops at a time: their matrices stay in a core's own cache
 
@@ -49,9 +50,12 @@ class Batch:
 
 
 def covers(job: Job) -> bool:
-    """Return whether these arithmetics can do the job."""
+    """Return whether these arithmetics can do the job.
+
+    A plant that answers at once jumps within a sample, which is left to the single design.
+    """
     num, den = coefficients(job, {}, 1)
-    plain = not job.sections and len(num) <= len(den) <= _ORDER + 1
+    plain = not job.sections and len(num) < len(den) <= _ORDER + 1
     if job.controller is not None:
         return plain and job.controller.delay == 0 and len(job.controller.den_w) <= 4
     asked = {*job.asked, *(key for key in job.varying if key in job.law_keys)}
@@ -167,7 +171,10 @@ def closed(job: Job, wanted: Batch, plant: Held, delay: int) -> tuple[Loops, Sol
     top, bottom = plant.num, plant.den
     one = np.ones(count)
     for _ in range(delay):
-        top, bottom = rows.times(top, np.stack([one, -one])), rows.times(bottom, np.stack([one, one]))
+        top, bottom = (
+            rows.times(top, np.stack([one, -one])),
+            rows.times(bottom, np.stack([one, one])),
+        )
     if job.law == GIVEN and job.controller is not None:
         law = laws.given(job.controller, count)
         num, den = rows.times(top, law.num), rows.times(bottom, law.den)

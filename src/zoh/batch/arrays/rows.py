@@ -172,7 +172,7 @@ def _by_extremes(a: Array, low: float, high: float) -> tuple[Array, Mask]:
         edges = np.sort(found, axis=0)
     bulk = at(np.abs(a), inner)
     touching = (np.abs(at(a, inner)) <= _DOUBLE * bulk) & (inner < high)
-    return np.where(edges < high, edges, np.inf), touching.any(axis=0)
+    return np.where(edges < high, edges, np.inf), np.asarray(touching.any(axis=0))
 
 
 def _closed_in(a: Array, low: Array, high: Array, x: Array) -> Array:

@@ -9,9 +9,12 @@ polished on the complex response itself; a peak is proved by what is left of
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
-from zoh.batch import rows
-from zoh.batch.rows import Array, Mask
+from zoh.batch.arrays import rows
+from zoh.batch.arrays.rows import Array, Mask
+
+Index = npt.NDArray[np.intp]
 
 _PIVOT = 1e-11  # of its terms: an element of Routh's scheme whose sign rounding may have made
 _ONE = 1e-11  # |L| this near to 1 at the highest frequency is for exact arithmetic to decide
@@ -40,9 +43,7 @@ class Loops:
 
     def only(self, keep: Mask) -> "Loops":
         """Return some of the loops."""
-        return Loops(
-            num=self.num[:, keep], den=self.den[:, keep], x=self.x[keep], dt=self.dt[keep]
-        )
+        return Loops(num=self.num[:, keep], den=self.den[:, keep], x=self.x[keep], dt=self.dt[keep])
 
 
 def stable(loops: Loops) -> tuple[Mask, Mask]:
@@ -113,7 +114,7 @@ def _by_gain(loops: Loops, gain: Array) -> tuple[dict[str, Array], Mask]:
     late = np.where(np.abs(pm) < _ON_IT_DEG, 0.0, np.radians(pm) % (2 * np.pi) / w)
     loud = (top >= bottom) & (top > 0)
     delay = np.min(np.where(there, late, np.inf), axis=0, initial=np.inf)
-    nearest, none = _least(np.abs(pm)), ~there.any(axis=0)
+    nearest, none = _least(np.abs(pm)), np.asarray(~there.any(axis=0))
     return {
         "phase_margin_deg": np.where(none, np.inf, _taken(pm, nearest, none)),
         "crossover": np.where(none, np.nan, _taken(w, nearest, none)),
@@ -144,7 +145,7 @@ def _by_phase(loops: Loops) -> tuple[dict[str, Array], Mask]:
     places = [np.full(v.shape[1], end) for *_, end in ends]
     factor, v = np.concatenate([factor, factors]), np.concatenate([v, places])
     there = np.isfinite(factor)
-    nearest, none = _least(np.abs(np.log(factor))), ~there.any(axis=0)
+    nearest, none = _least(np.abs(np.log(factor))), np.asarray(~there.any(axis=0))
     return {
         "gain_margin": np.where(none, np.inf, _taken(factor, nearest, none)),
         "phase_crossover": np.where(none, np.nan, loops.frequency(_taken(v, nearest, none))),
@@ -159,14 +160,14 @@ def _minus(a: Array, b: Array) -> Array:
     return out
 
 
-def _least(size: Array) -> Array:
-    return np.argmin(size, axis=0) if len(size) else np.zeros(size.shape[1], int)
+def _least(size: Array) -> Index:
+    return np.argmin(size, axis=0) if len(size) else np.zeros(size.shape[1], np.intp)
 
 
-def _taken(values: Array, rows_: Array, none: Mask) -> Array:
+def _taken(values: Array, rows_: Index, none: Mask) -> Array:
     if not len(values):
         return np.full(len(none), np.nan)
-    return np.take_along_axis(values, rows_[None, :], axis=0)[0]
+    return np.asarray(np.take_along_axis(values, rows_[None, :], axis=0)[0])
 
 
 def _lowest(a: Array, b: Array) -> tuple[Array, Mask]:
@@ -221,7 +222,7 @@ def _nothing_below(rest: Array, q: Array) -> Mask:
         divided = _without(divided, q)
     divided = np.where(inner, divided, _shorter(rest, q))
     count = rows.changes(divided)
-    proved = count == 0
+    proved: Mask = np.equal(count, 0)
     (maybe,) = np.nonzero((count > 0) & (count % 2 == 0))
     if len(maybe):
         roots, doubt = rows.positive_roots(divided[:, maybe])
