@@ -128,7 +128,7 @@ def positive_roots(a: Array) -> tuple[Array, Mask]:
     rounding.
 
     >>> roots, doubt = positive_roots(np.array([[6.0, 1.0], [-5.0, 0.0], [1.0, 1.0]]))
-    >>> roots.tolist(), doubt.tolist()
+    >>> roots.round(12).tolist(), doubt.tolist()
     ([[2.0, inf], [3.0, inf]], [False, False])
     """
     count = changes(a)

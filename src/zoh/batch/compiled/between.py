@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from zoh.batch.arrays.rows import Array
-from zoh.batch.compiled.jit import compiled
+from zoh.batch.compiled.jit import compiled, shared
 from zoh.batch.compiled.motion import SIZE, Motion
 from zoh.batch.compiled.plant import ORDER, Plant, advanced
 
@@ -110,7 +110,7 @@ def estimate(y0: float, y1: float, slope0: float, slope1: float) -> float:
     return max(cubic, max(y0, y1))
 
 
-@compiled
+@shared
 def crest(
     p: Plant, q: Pieces, piece: int, n: int, z: Array, sign: float, size: int
 ) -> tuple[float, float, bool]:

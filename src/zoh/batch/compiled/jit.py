@@ -17,7 +17,13 @@ Function = TypeVar("Function", bound=Callable[..., object])
 
 
 def compiled(function: Function) -> Function:
-    """Return the function, compiled when it is first called, as a part of what calls it."""
+    """Return the function, compiled into each place that calls it: no arrays are passed."""
+    made = njit(nogil=True, error_model="numpy", fastmath={"contract"}, forceinline=True)(function)
+    return cast(Function, made)
+
+
+def shared(function: Function) -> Function:
+    """Return the function, compiled once for all who call it: it is long, or called from many."""
     made = njit(nogil=True, error_model="numpy", fastmath={"contract"})(function)
     return cast(Function, made)
 

@@ -5,7 +5,7 @@ from math import atan, atan2, degrees, inf, log, nan, pi, radians, sqrt
 import numpy as np
 
 from zoh.batch.arrays.rows import Array
-from zoh.batch.compiled.jit import compiled
+from zoh.batch.compiled.jit import compiled, shared
 from zoh.batch.compiled.polynomials import (
     MOST,
     at,
@@ -182,7 +182,7 @@ def by_phase(
     return doubt
 
 
-@compiled
+@shared
 def lowest(
     a: Array, b: Array, n: int, roots: Array, work: Array, rest: Array, grid: Array
 ) -> tuple[float, bool]:
@@ -238,7 +238,7 @@ def on_grid(a: Array, b: Array, n: int, grid: Array) -> int:
     return min(max(best, 1), len(_GRID) - 2)
 
 
-@compiled
+@shared
 def flat(a: Array, b: Array, n: int, low: float, high: float, q: float) -> tuple[float, bool]:
     """Return (where the slope of a/b becomes positive in (low, high), whether it does)."""
     falls, rises, last = False, False, inf
@@ -278,7 +278,7 @@ def slope_at(a: Array, b: Array, n: int, q: float) -> float:
     return sa * fb - fa * sb
 
 
-@compiled
+@shared
 def by_slopes(
     a: Array, b: Array, n: int, roots: Array, work: Array, rest: Array
 ) -> tuple[float, bool]:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from zoh.batch.arrays.rows import Array
-from zoh.batch.compiled.jit import compiled
+from zoh.batch.compiled.jit import compiled, shared
 
 ORDER = 6
 _SMALL, _SLOW = 0.5, 1.5
@@ -179,7 +179,7 @@ def powers_of(a: Array, n: int, terms: int, rows: Array) -> None:
         rows[m, 0] = -last * a[0]
 
 
-@compiled
+@shared
 def advanced(
     rows: Array, h: Array, n: int, terms: int, halvings: int, t: float, delta: Array, b: Array,
     matrix: Array,

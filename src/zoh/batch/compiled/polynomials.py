@@ -8,7 +8,7 @@ from math import inf, sqrt
 import numpy as np
 
 from zoh.batch.arrays.rows import Array
-from zoh.batch.compiled.jit import compiled
+from zoh.batch.compiled.jit import compiled, shared
 
 MOST = 32  # places of every work array
 _STEPS = 120
@@ -80,7 +80,7 @@ def changes(a: Array, n: int) -> int:
     return count
 
 
-@compiled
+@shared
 def closed_in(a: Array, n: int, low: float, high: float, x: float) -> float:
     """Return the root between low and high, where a has two signs."""
     rising, last = at(a, n, low) < 0.0, inf
@@ -114,7 +114,7 @@ def bounds(a: Array, n: int) -> tuple[float, float]:
     return 0.99 * first / (first + least), 1.01 * (last + most) / last
 
 
-@compiled
+@shared
 def positive_roots(a: Array, n: int, roots: Array, work: Array) -> tuple[int, bool]:
     """Write the roots > 0 where a changes its sign, ascending; return (how many, any doubt).
 

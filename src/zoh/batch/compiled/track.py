@@ -5,7 +5,7 @@ from math import inf
 import numpy as np
 
 from zoh.batch.arrays.rows import Array
-from zoh.batch.compiled.jit import compiled
+from zoh.batch.compiled.jit import compiled, shared
 
 BAND = 0.02
 BLOCK = 32  # samples between two looks at whether a loop is done
@@ -61,7 +61,7 @@ def move(s: Array, z: Array, size: int, out: Array) -> None:
                 out[i] += s[j, i] * part
 
 
-@compiled
+@shared
 def twice(s: Array, size: int, out: Array) -> None:
     """Write 2 s + s s, by columns."""
     wide = NARROW if size <= NARROW else WIDE
@@ -74,7 +74,7 @@ def twice(s: Array, size: int, out: Array) -> None:
                 out[k, i] += s[j, i] * part
 
 
-@compiled
+@shared
 def last(
     row: Array, factor: float, above: float, ladder: Array, level: int, zs: Array, start: int,
     k: float, end: float, size: int,
