@@ -29,6 +29,16 @@ if TYPE_CHECKING:
         verify_table,
     )
     from zoh.analysis.verify import Measured, Verified, measure, verify
+    from zoh.batch.job import Job
+    from zoh.batch.reason import Reason
+    from zoh.batch.result import Sweep
+    from zoh.batch.robust import Robust, robust
+    from zoh.batch.sources import Geared, Roots
+    from zoh.batch.space import Grid, Random, Rows, corners
+    from zoh.batch.spread import LogUniform, Normal, Uniform
+    from zoh.batch.stream import open_sweep, sweep_to
+    from zoh.batch.summary import Summary
+    from zoh.batch.sweep import sweep, sweep_summary
     from zoh.choice.map import Map, law_map
     from zoh.clock import SampleTime, SampleTimes, sample_times
     from zoh.design.sections import SecondOrder, notch
@@ -37,6 +47,7 @@ if TYPE_CHECKING:
     from zoh.laws import lag, lead, leadlag, p, pd, pi, pid, textbook_lag
     from zoh.lti.coherence import random_error
     from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
+    from zoh.lti.joint import Joint
     from zoh.lti.systems import Plant, Sampled
     from zoh.pipeline import design
     from zoh.request import ALLOWABLE, LAWS, OPTIONS
@@ -58,29 +69,44 @@ __all__ = [
     "Crossover",
     "Emulated",
     "FrequencyResponse",
+    "Geared",
+    "Grid",
     "Infeasible",
+    "Job",
+    "Joint",
+    "LogUniform",
     "Map",
     "Margins",
     "Measured",
+    "Normal",
     "NotMet",
     "Plant",
     "Proof",
+    "Random",
+    "Reason",
     "Requirements",
     "Response",
+    "Robust",
+    "Roots",
+    "Rows",
     "SampleTime",
     "SampleTimes",
     "Sampled",
     "SecondOrder",
     "SpecError",
     "StepInfo",
+    "Summary",
+    "Sweep",
     "TableMargins",
     "TableMeasured",
     "TableVerified",
     "TabledLoop",
     "Trace",
+    "Uniform",
     "Verified",
     "ZohError",
     "budget",
+    "corners",
     "design",
     "discretise",
     "emulate",
@@ -93,6 +119,7 @@ __all__ = [
     "measure_table",
     "noise_gains",
     "notch",
+    "open_sweep",
     "p",
     "pd",
     "pi",
@@ -100,9 +127,13 @@ __all__ = [
     "random_error",
     "response",
     "response_trace",
+    "robust",
     "sample",
     "sample_times",
     "step_info",
+    "sweep",
+    "sweep_summary",
+    "sweep_to",
     "textbook_lag",
     "trace",
     "undiscretise",
@@ -130,6 +161,16 @@ _HOMES = {
     ),
     "zoh.analysis.verify": ("Measured", "Verified", "measure", "verify"),
     "zoh.request": ("ALLOWABLE", "LAWS", "OPTIONS"),
+    "zoh.batch.job": ("Job",),
+    "zoh.batch.reason": ("Reason",),
+    "zoh.batch.result": ("Sweep",),
+    "zoh.batch.robust": ("Robust", "robust"),
+    "zoh.batch.sources": ("Geared", "Roots"),
+    "zoh.batch.space": ("Grid", "Random", "Rows", "corners"),
+    "zoh.batch.spread": ("LogUniform", "Normal", "Uniform"),
+    "zoh.batch.stream": ("open_sweep", "sweep_to"),
+    "zoh.batch.summary": ("Summary",),
+    "zoh.batch.sweep": ("sweep", "sweep_summary"),
     "zoh.design.sections": ("SecondOrder", "notch"),
     "zoh.choice.map": ("Map", "law_map"),
     "zoh.clock": ("SampleTime", "SampleTimes", "sample_times"),
@@ -137,6 +178,7 @@ _HOMES = {
     "zoh.errors": ("Infeasible", "NotMet", "AccuracyWarning", "SpecError", "ZohError"),
     "zoh.lti.coherence": ("random_error",),
     "zoh.lti.frequency_response": ("FrequencyResponse", "TabledLoop"),
+    "zoh.lti.joint": ("Joint",),
     "zoh.lti.systems": ("Plant", "Sampled"),
     "zoh.laws": ("lag", "lead", "leadlag", "p", "pd", "pi", "pid", "textbook_lag"),
     "zoh.pipeline": ("design",),
@@ -146,6 +188,7 @@ _HOMES = {
 }
 _ROOMS = (
     "analysis",
+    "batch",
     "certificate",
     "checks",
     "emulation",

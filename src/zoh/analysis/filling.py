@@ -61,7 +61,16 @@ def _tops(k: Indices, a: Array, begin: int, level: float) -> set[int]:
     found = i[a[i] + reach > level + _ROUNDING * max(abs(level), abs(float(a.max())))]
     best = found[(-a[found]).argsort(kind="stable")]
     looked = max(_LOOKED, len(k) // _AS_DEAR)
-    return {*found[:looked].tolist(), *best[:looked].tolist()}
+    first = {0} if begin == 0 and _first_may(k, a, level) else set()
+    return {*found[:looked].tolist(), *best[:looked].tolist(), *first}
+
+
+def _first_may(k: Indices, a: Array, level: float) -> bool:
+    """Return whether a crest above the level may be before the second row; no row is before."""
+    if len(a) < 3:
+        return True
+    slope = (a[1] - a[2]) / float(k[2] - k[1])
+    return bool(a[1] + slope * float(k[1] - k[0]) > level)
 
 
 def filled(motion: Motion, track: Track, rows: list[int]) -> Track:

@@ -9,7 +9,7 @@ import os
 import sys
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 from warnings import catch_warnings, simplefilter
 
 import numpy as np
@@ -19,8 +19,12 @@ from zoh.app import files
 from zoh.app.commands import Entry, check_all, design_all, hidden_instability, to_dict, warnings
 from zoh.app.progress import shown_progress
 from zoh.app.project import Project, read
+from zoh.app.sweep_options import declare
 from zoh.choice.map import Map
 from zoh.errors import AccuracyWarning, Infeasible, NotMet, SpecError, ZohError
+
+if TYPE_CHECKING:
+    from zoh.app.sweep import Swept
 
 MET, NOT_MET, BAD_INPUT = 0, 1, 2
 DEFECT = 70  # EX_SOFTWARE: neither the input nor the specification is to blame
@@ -101,12 +105,17 @@ def _parser() -> ArgumentParser:
         allow_abbrev=False,
     )
     explain.set_defaults(run=_explain)
-    for command in (design, check, explain):
+    sweep = commands.add_parser(
+        "sweep", help="a design over a grid or a random sample", allow_abbrev=False
+    )
+    sweep.set_defaults(run=_sweep)
+    for command in (design, check, explain, sweep):
         command.add_argument("file", metavar="FILE", help="a project file (TOML)")
     for command in (paper, design, explain):
         command.add_argument("--out", metavar="DIR", help="write a report with figures there")
         command.add_argument("--force", action="store_true", help="let --out replace files")
-    for command in (paper, design, check, explain):
+    declare(sweep)
+    for command in (paper, design, check, explain, sweep):
         command.add_argument("--json", action="store_true", help="print one JSON object")
     return parser
 
@@ -146,6 +155,36 @@ def _explain(arguments: Namespace) -> int:
     else:
         _console().out(explain.as_text(project, explained))
     return _verdict(project, [e.entry for e in explained])
+
+
+def _sweep(arguments: Namespace) -> int:
+    from zoh.app.sweep import as_text, to_dict
+    from zoh.app.sweep_command import swept
+
+    if arguments.figures is not None:
+        files.refuse_what_is_there(arguments.figures, ["sweep.json"], force=arguments.force)
+    found = swept(arguments)
+    if arguments.json:
+        print(_json(to_dict(found)), end="")
+    else:
+        _console().out("\n".join(as_text(one) for one in found))
+    if arguments.out is not None:
+        print(f"zoh: wrote {arguments.out}", file=sys.stderr)
+    if arguments.figures is not None:
+        drawn = _with_matplotlib(lambda: _bands(found))
+        contents = {"sweep.json": _json(to_dict(found)), **drawn}
+        files.write_all(arguments.figures, contents, force=arguments.force)
+        print(f"zoh: wrote {len(contents)} files to {arguments.figures}", file=sys.stderr)
+    none = [one.name for one in found if one.summary.met == 0]
+    if none:
+        return _fail(NOT_MET, f"no loop is as asked and keeps every requirement: {', '.join(none)}")
+    return MET
+
+
+def _bands(found: "Sequence[Swept]") -> Mapping[str, str | bytes]:
+    from zoh.app.sweep_figures import figures
+
+    return figures((one.name, one.held) for one in found if one.held is not None)
 
 
 def _maps(found: Iterable[tuple[Entry, Map]]) -> dict[str, str | bytes]:

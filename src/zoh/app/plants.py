@@ -7,8 +7,9 @@ from typing import Any
 from zoh import checks
 from zoh.app.measured import KEYS as TABLE_KEYS
 from zoh.app.toml import Section, within
+from zoh.batch.sources import Geared, Roots, Source
 from zoh.errors import SpecError
-from zoh.lti.joint import OUTPUTS, Joint, joint_plant
+from zoh.lti.joint import OUTPUTS, Joint
 from zoh.lti.systems import Plant
 
 FORMS = {
@@ -34,8 +35,8 @@ def is_table(section: Section) -> bool:
     return TABLE_KEYS[0] in section.data and _form(section) == TABLE_KEYS[0]
 
 
-def read_plant(section: Section, sensor: float) -> Plant:
-    """Return the plant that the section says, with the sensor's gain in its one place."""
+def read_source(section: Section, sensor: float) -> Source:
+    """Return the plant as the section says it, with the sensor's gain in its one place."""
     section.only(KEYS)
     form = _form(section)
     dead_time = section.number("dead_time") or 0.0
@@ -92,8 +93,8 @@ def _from_coefficients(section: Section, dead_time: float, sensor: float) -> Pla
     return Plant(num=num, den=den, dead_time=dead_time, sensor=sensor)
 
 
-def _from_roots(section: Section, dead_time: float, sensor: float) -> Plant:
-    return Plant.zpk(
+def _from_roots(section: Section, dead_time: float, sensor: float) -> Roots:
+    return Roots(
         zeros=_roots("zeros", section.data.get("zeros", [])),
         poles=_roots("poles", section.data["poles"]),
         gain=section.data["gain"],
@@ -107,7 +108,7 @@ def _from_matrices(section: Section, dead_time: float, sensor: float) -> Plant:
     return Plant.ss(a, b, c, d, dead_time=dead_time, sensor=sensor)
 
 
-def _from_joint(section: Section, dead_time: float, sensor: float) -> Plant:
+def _from_joint(section: Section, dead_time: float, sensor: float) -> Geared:
     constants = Section(
         path="joint.", data=Section(path="", data=section.data).section("joint").data
     )
@@ -116,10 +117,10 @@ def _from_joint(section: Section, dead_time: float, sensor: float) -> Plant:
         if name not in constants.data:
             raise constants.missing(name, "take it from the motor's data sheet")
     with within(constants.path):
-        return joint_plant(Joint(**constants.data), dead_time=dead_time, sensor=sensor)
+        return Geared(joint=Joint(**constants.data), dead_time=dead_time, sensor=sensor)
 
 
-_READERS: dict[str, Callable[[Section, float, float], Plant]] = {
+_READERS: dict[str, Callable[[Section, float, float], Source]] = {
     "model": _from_model,
     "num": _from_coefficients,
     "zeros": _from_roots,

@@ -10,9 +10,10 @@ from zoh import checks
 from zoh.app.claims import CLAIMS, Claim
 from zoh.app.kinds import KINDS
 from zoh.app.measured import read_table
-from zoh.app.plants import is_table, output_unit, read_plant
+from zoh.app.plants import is_table, output_unit, read_source
 from zoh.app.sections import read_sections
 from zoh.app.toml import Literal, Section, tables, within
+from zoh.batch.sources import Source, nominal_plant
 from zoh.design.sections import SecondOrder
 from zoh.errors import SpecError
 from zoh.lti.frequency_response import FrequencyResponse
@@ -70,6 +71,7 @@ class Project:
     """A project file, checked.
 
     plant          with its dead time and its sensor's gain, a model or a table
+    source         the model as the file says it, by coefficients, roots or a joint; None of a table
     dt             s, sample time
     compute_delay  s, from sampling to output
     controllers    in the order of the file
@@ -78,6 +80,7 @@ class Project:
     """
 
     plant: Plant | FrequencyResponse
+    source: Source | None
     dt: float
     compute_delay: float
     controllers: tuple[Request | Given, ...]
@@ -108,9 +111,14 @@ def read(text: str, attached: Callable[[str], str] = nothing_attached) -> Projec
         raise file.missing("plant", 'write [plant] and model = "1/(s + 1)" below it')
     sensor = _sensor(file.section("sensor"))
     section = file.section("plant")
-    model = None if is_table(section) else read_plant(section, sensor.gain)
+    source = None if is_table(section) else read_source(section, sensor.gain)
     dt, compute_delay = _sampling(file.section("sampling"))
-    plant = model or read_table(section, sensor.gain, dt, compute_delay, attached)
+    if source is None:
+        plant: Plant | FrequencyResponse = read_table(
+            section, sensor.gain, dt, compute_delay, attached
+        )
+    else:
+        plant = nominal_plant(source)
     reference = file.section("reference")
     reference.only(["step"])
     step = reference.number("step")
@@ -118,6 +126,7 @@ def read(text: str, attached: Callable[[str], str] = nothing_attached) -> Projec
         raise SpecError("reference.step", "must not be 0", step, "give the size of the step")
     return Project(
         plant=plant,
+        source=source,
         dt=dt,
         compute_delay=compute_delay,
         controllers=_controllers(file, dt),

@@ -1,0 +1,118 @@
+"""Verified loops a second: the sweep's three arithmetics and python-control, in one run.
+
+The job is the PID of K/(s (s + a)) behind its hold: law, stability, every margin, Ms, Mt, disk
+margin, bandwidth, the step's metrics at and between the samples, effort. python-control is given
+zoh's controller and does what it can of that: margins, step_info, the effort's response. Nominal
+loops are an arm's, K, a, wc within 20 %; wide ones have dt over four decades, and half of them
+cannot be designed, which both are told. Everything takes turns; printed are least times of one
+loop in us, CPU time but for two threads, and the ratio to python-control's.
+
+    python -m benchmarks.sweep.speed --loops 65536 --limit-arrays 100 --limit-compiled 500
+
+exits 1 where a ratio of nominal loops is below its limit.
+"""
+
+import argparse
+import sys
+import time
+from collections.abc import Callable
+
+import control
+import numpy as np
+
+import zoh
+from zoh.batch import single
+from zoh.batch.arrays import run as arrays
+from zoh.batch.job import Job
+
+ARM = zoh.Plant(num=[1], den=[1, 1, 0])
+TURNS = 5
+PEERS = 8  # loops of python-control and of the single design in a turn
+
+
+def nominal(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
+    return {
+        "dt": rng.uniform(0.03, 0.15, n),
+        "plant.num.0": 0.1533 * rng.uniform(0.8, 1.2, n),
+        "plant.den.1": 0.7809 * rng.uniform(0.8, 1.2, n),
+        "wc": 1.95 * rng.uniform(0.8, 1.2, n),
+        "pm_deg": rng.uniform(35, 60, n),
+        "ki": rng.uniform(0.3, 1.5, n),
+    }
+
+
+def wide(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
+    a, dt = 10 ** rng.uniform(-1.5, 1, n), 10 ** rng.uniform(-5, -0.3, n)
+    gain = 10 ** rng.uniform(-1, 1, n)
+    wc = np.minimum(10 ** rng.uniform(-1, 1, n) * a, 2.5 / dt)
+    ki = 0.05 * wc / np.abs(gain / (1j * wc * (1j * wc + a))) * rng.uniform(0.1, 2, n)
+    pm_deg = rng.uniform(20, 80, n)
+    return {"dt": dt, "plant.num.0": gain, "plant.den.1": a, "wc": wc, "pm_deg": pm_deg, "ki": ki}
+
+
+def peer(columns: dict[str, np.ndarray], i: int) -> None:
+    """Let python-control measure loop i."""
+    at = {key: float(values[i]) for key, values in columns.items()}
+    dt = at["dt"]
+    sampled = control.c2d(control.tf([at["plant.num.0"]], [1, at["plant.den.1"], 0]), dt, "zoh")
+    law = control.tf([20.0, -19.0, 0.0], [1.0, -1.0, 0.0], dt)  # any PID: the time is the same
+    control.stability_margins(law * sampled)
+    t = np.arange(500) * dt
+    control.step_info(control.feedback(law * sampled, 1), T=t)
+    control.step_response(control.feedback(law, sampled), T=t)
+
+
+def least(work: Callable[[], object], clock: Callable[[], float]) -> float:
+    begun = clock()
+    work()
+    return clock() - begun
+
+
+def compared(columns: dict[str, np.ndarray], n: int) -> dict[str, float]:
+    """Return the least us of one loop, by each arithmetic."""
+    from zoh.batch.compiled import run as compiled
+
+    job = Job(plant=ARM, law="pid", dt=0.1, varying=tuple(columns))
+    few = {key: values[: n // 8] for key, values in columns.items()}
+    one = {key: values[:PEERS] for key, values in columns.items()}
+    ways: dict[str, tuple[Callable[[], object], int, Callable[[], float]]] = {
+        "python-control": (
+            lambda: [peer(columns, i) for i in range(PEERS)], PEERS, time.process_time
+        ),
+        "single": (lambda: single.run(job, one), PEERS, time.process_time),
+        "arrays": (lambda: arrays.run(job, few), n // 8, time.process_time),
+        "compiled": (lambda: compiled.run(job, columns, threads=1), n, time.process_time),
+        "compiled, 2 threads": (
+            lambda: compiled.run(job, columns, threads=2), n, time.perf_counter
+        ),
+    }  # fmt: skip
+    found = dict.fromkeys(ways, float("inf"))
+    for turn in range(TURNS + 1):
+        for name, (work, count, clock) in ways.items():
+            taken = least(work, clock) / count * 1e6
+            if turn:  # the first pays for imports and compilation
+                found[name] = min(found[name], taken)
+    return found
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--loops", type=int, default=65536)
+    parser.add_argument("--limit-arrays", type=float, default=0.0, help="least ratio, nominal")
+    parser.add_argument("--limit-compiled", type=float, default=0.0, help="least ratio, nominal")
+    asked = parser.parse_args()
+    within = True
+    for name, family in (("nominal", nominal), ("wide", wide)):
+        found = compared(family(np.random.default_rng(1), asked.loops), asked.loops)
+        base = found["python-control"]
+        print(f"{name}: zoh {zoh.__version__}, python-control {control.__version__}")
+        for way, us in found.items():
+            print(f"  {way:22}{us:12.2f} us a loop{base / us:10.0f} times python-control's rate")
+        if family is nominal:
+            within &= base / found["arrays"] >= asked.limit_arrays
+            within &= base / found["compiled"] >= asked.limit_compiled
+    return 0 if within else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

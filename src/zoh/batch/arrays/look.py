@@ -1,0 +1,130 @@
+"""Some loops of many, looked at from near: their signals at any sample, what was seen of them.
+
+Z(k + 2^i) = Z(k) + S Z(k), S doubled i times, goes to any sample in a few products.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from math import inf
+
+import numpy as np
+import numpy.typing as npt
+
+from zoh.batch.arrays.motion import Motion
+from zoh.batch.arrays.rows import Array, Mask
+
+Index = npt.NDArray[np.intp]
+
+
+@dataclass(slots=True, kw_only=True)
+class Seen:
+    """What was seen of each loop, y counted in the direction of its final value.
+
+    k_*  samples: of the highest, of those first reaching 10 % and 90 %, of the last outside the
+    band, of the last crest just inside it; stride_* the stride at which it was met
+    """
+
+    top: Array
+    bottom: Array
+    most: Array
+    least: Array
+    k_top: Array
+    k_most: Array
+    k_least: Array
+    k_10: Array
+    k_90: Array
+    k_out: Array
+    k_near: Array
+    stride_top: Array
+    stride_most: Array
+    stride_least: Array
+    stride_10: Array
+    stride_90: Array
+    stride_out: Array
+    stride_near: Array
+    crest: Array
+    k_crest: Array
+    piece: Array
+
+    @classmethod
+    def of(cls, count: int) -> "Seen":
+        """Return what is seen before anything is."""
+        start = {"top": -inf, "bottom": inf, "most": -inf, "least": inf, "crest": -inf}
+        return cls(**{f.name: np.full(count, start.get(f.name, -1.0)) for f in fields(cls)})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Part:
+    """Some of the loops, looked at where a long stride met something."""
+
+    delta: Array
+    output: Array
+    size: Array
+
+    @classmethod
+    def of(cls, motion: Motion, sign: Array, size: Array, who: Index) -> "Part":
+        """Return these loops, y counted in the direction of its final value."""
+        return cls(
+            delta=motion.delta[:, :, who], output=motion.output[:, who] * sign[who], size=size[who]
+        )
+
+    def y(self, z: Array) -> Array:
+        """Return y at Z."""
+        return along(self.output, z)
+
+    def off(self, z: Array) -> Array:
+        """Return how far y is from its final value."""
+        return np.abs(self.y(z) - self.size)
+
+    def slope(self, z: Array) -> Array:
+        """Return by how much y grows to the next sample."""
+        return along(self.output, moved(self.delta, z))
+
+    def after(self, z: Array) -> Array:
+        """Return Z one sample later."""
+        return z + moved(self.delta, z)
+
+    def state(self, k: Array) -> Array:
+        """Return Z at sample k, by squaring."""
+        z, s, bits = np.zeros(self.output.shape), self.delta, k.astype(np.int64)
+        z[-1] = 1.0
+        while bits.any():
+            z = np.where(bits & 1, z + moved(s, z), z)
+            bits >>= 1
+            s = twice(s)
+        return z
+
+    def last(
+        self, start: Array, stride: Array, holds: Callable[["Part", Array], Mask]
+    ) -> tuple[Array, Array]:
+        """Return (the last sample before start + stride up to which ``holds`` does, Z there)."""
+        levels = int(np.log2(stride.max()))
+        ladder = [self.delta]
+        for _ in range(levels):
+            ladder.append(twice(ladder[-1]))
+        k, z = start.copy(), self.state(start)
+        for level in range(levels - 1, -1, -1):
+            there = z + moved(ladder[level], z)
+            go = (2.0**level < stride) & holds(self, there)
+            k, z = np.where(go, k + 2.0**level, k), np.where(go, there, z)
+        return k, z
+
+
+def twice(s: Array) -> Array:
+    """Return 2 s + s s: what moves twice as far."""
+    out = 2 * s
+    for j in range(len(s)):
+        out += s[:, j, None] * s[None, j]
+    return out
+
+
+def moved(s: Array, z: Array) -> Array:
+    """Return s z."""
+    out: Array = np.einsum("ijb,jb->ib", s, z)
+    return out
+
+
+def along(row: Array, z: Array) -> Array:
+    """Return row z."""
+    out: Array = np.sum(row * z, axis=0)
+    return out

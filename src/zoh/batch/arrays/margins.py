@@ -1,0 +1,284 @@
+"""All margins of many loops at once; the single measure in ``zoh.analysis`` says what each is.
+
+A loop is num(u)/den(u) with u = w/v, v the frequency that the law was solved at: its crossover is
+at u = j, where floats hold the most. Crossings are the sign changes of polynomials in q = (v/vc)^2,
+polished on the complex response itself; a peak is proved by what is left of
+|num + den|^2 - m |below|^2 without its double root, which has no positive root if m is the least.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from zoh.batch.arrays import rows
+from zoh.batch.arrays.rows import Array, Mask
+
+Index = npt.NDArray[np.intp]
+
+_PIVOT = 1e-11  # of its terms: an element of Routh's scheme whose sign rounding may have made
+_ONE = 1e-11  # |L| this near to 1 at the highest frequency is for exact arithmetic to decide
+_GRID = np.geomspace(1e-4, 1e7, 40)  # of q, where a peak is first looked for
+_POLISH = 3
+_STEPS = 100
+_DROP = 10.0**-0.3  # 3 dB below, squared
+_ON_IT_DEG = 1e-12
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Loops:
+    """Open loops num(u)/den(u), rows of ascending powers, equally many.
+
+    x   tan(wc dt/2): u = p/x;   dt  s
+    """
+
+    num: Array
+    den: Array
+    x: Array
+    dt: Array
+
+    def frequency(self, v: Array) -> Array:
+        """Return rad/s of u = jv; pi/dt where v is inf."""
+        return 2 / self.dt * np.arctan(self.x * v)
+
+    def only(self, keep: Mask) -> "Loops":
+        """Return some of the loops."""
+        return Loops(num=self.num[:, keep], den=self.den[:, keep], x=self.x[keep], dt=self.dt[keep])
+
+
+def stable(loops: Loops) -> tuple[Mask, Mask]:
+    """Return (whether each closed loop is stable, whether rounding may have decided it).
+
+    Routh's scheme of num + den, every row freed of its size.
+    """
+    c = (loops.num + loops.den)[::-1]
+    c = c / np.max(np.abs(c), axis=0)
+    above, row = c[::2].copy(), c[1::2].copy()
+    good, doubt = c[0] * c[-1] > 0, np.zeros(c.shape[1], bool)
+    sign = np.sign(c[0])
+    with np.errstate(all="ignore"):
+        for _ in range(len(c) - 1):
+            width = len(row)
+            pivot = row[0] * sign
+            good &= pivot > 0
+            doubt |= np.abs(row[0]) <= _PIVOT * np.max(np.abs(row), axis=0)
+            ratio = above[0] / row[0]
+            following = above[1:].copy()
+            minus = ratio * row[1:]
+            bulk = np.abs(following)
+            following[: width - 1] -= minus
+            bulk[: width - 1] += np.abs(minus)
+            if not len(following):
+                break
+            doubt |= np.abs(following[0]) <= _PIVOT * bulk[0]
+            above, row = row, following
+    return good, doubt | ~np.isfinite(c).all(axis=0)
+
+
+def measured(loops: Loops) -> tuple[dict[str, Array], Mask]:
+    """Return (every margin by name, which loops had better be measured one by one)."""
+    n, d = loops.num, loops.den
+    nn, dd, aa = rows.squared(n), rows.squared(d), rows.squared(n + d)
+    with np.errstate(all="ignore"):
+        found, doubt = _by_gain(loops, nn - dd)
+        more, unsure = _by_phase(loops)
+        found |= more
+        doubt |= unsure
+        peaks = {"modulus": dd, "mt": nn, "disk": rows.squared(d - n)}
+        for name, below in peaks.items():
+            v, unsure = _lowest(aa, below)
+            doubt |= unsure
+            found |= _peak(loops, name, v)
+        found["bandwidth"], unsure = _bandwidth(loops, nn, aa)
+    return found, doubt | unsure
+
+
+def _by_gain(loops: Loops, gain: Array) -> tuple[dict[str, Array], Mask]:
+    q, doubt = rows.positive_roots(gain)
+    top, bottom = np.abs(loops.num[-1]), np.abs(loops.den[-1])
+    doubt |= np.abs(top - bottom) <= _ONE * bottom
+    doubt |= np.abs(np.abs(loops.num[0]) - np.abs(loops.den[0])) <= _ONE * np.abs(loops.den[0])
+    v = np.sqrt(q)
+    there = np.isfinite(v)
+    v = np.where(there, v, 1.0)
+    for _ in range(_POLISH):
+        n, of_n = rows.on_axis(loops.num, v)
+        d, of_d = rows.on_axis(loops.den, v)
+        slope = -(of_n / n - of_d / d).imag
+        v = v - (np.log(np.abs(n)) - np.log(np.abs(d))) / slope
+    n, _ = rows.on_axis(loops.num, v)
+    d, _ = rows.on_axis(loops.den, v)
+    pm = np.degrees(np.angle(-n * np.conj(d)))
+    pm = np.where(there, np.where(pm <= -180, 180.0, pm), np.inf)
+    w = loops.frequency(v)
+    late = np.where(np.abs(pm) < _ON_IT_DEG, 0.0, np.radians(pm) % (2 * np.pi) / w)
+    loud = (top >= bottom) & (top > 0)
+    delay = np.min(np.where(there, late, np.inf), axis=0, initial=np.inf)
+    nearest, none = _least(np.abs(pm)), np.asarray(~there.any(axis=0))
+    return {
+        "phase_margin_deg": np.where(none, np.inf, _taken(pm, nearest, none)),
+        "crossover": np.where(none, np.nan, _taken(w, nearest, none)),
+        "delay_margin": np.minimum(delay, np.where(loud, loops.dt, np.inf)),
+        "gain_crossings": there.sum(axis=0).astype(float),
+    }, doubt
+
+
+def _by_phase(loops: Loops) -> tuple[dict[str, Array], Mask]:
+    (n_even, n_odd), (d_even, d_odd) = rows.halves(loops.num), rows.halves(loops.den)
+    turn = _minus(rows.times(n_odd, d_even), rows.times(n_even, d_odd))
+    q, doubt = rows.positive_roots(turn)
+    v = np.sqrt(q)
+    there = np.isfinite(v)
+    v = np.where(there, v, 1.0)
+    for _ in range(_POLISH):
+        n, of_n = rows.on_axis(loops.num, v)
+        d, of_d = rows.on_axis(loops.den, v)
+        v = v - (n * d.conj()).imag / (of_n * d.conj() - n * of_d.conj()).real
+    n, _ = rows.on_axis(loops.num, v)
+    d, _ = rows.on_axis(loops.den, v)
+    product = (n * d.conj()).real
+    doubt |= (there & (np.abs(product) < 1e-10 * np.abs(n) * np.abs(d))).any(axis=0)
+    there &= product < 0
+    factor = np.where(there, -(np.abs(d) ** 2) / product, np.inf)
+    ends = [(loops.num[0], loops.den[0], 0.0), (loops.num[-1], loops.den[-1], np.inf)]
+    factors = [np.where(a * b < 0, -b / a, np.inf) for a, b, _ in ends]
+    places = [np.full(v.shape[1], end) for *_, end in ends]
+    factor, v = np.concatenate([factor, factors]), np.concatenate([v, places])
+    there = np.isfinite(factor)
+    nearest, none = _least(np.abs(np.log(factor))), np.asarray(~there.any(axis=0))
+    return {
+        "gain_margin": np.where(none, np.inf, _taken(factor, nearest, none)),
+        "phase_crossover": np.where(none, np.nan, loops.frequency(_taken(v, nearest, none))),
+        "phase_crossings": there.sum(axis=0).astype(float),
+    }, doubt
+
+
+def _minus(a: Array, b: Array) -> Array:
+    out = np.zeros((max(len(a), len(b)), a.shape[1]))
+    out[: len(a)] += a
+    out[: len(b)] -= b
+    return out
+
+
+def _least(size: Array) -> Index:
+    return np.argmin(size, axis=0) if len(size) else np.zeros(size.shape[1], np.intp)
+
+
+def _taken(values: Array, rows_: Index, none: Mask) -> Array:
+    if not len(values):
+        return np.full(len(none), np.nan)
+    return np.asarray(np.take_along_axis(values, rows_[None, :], axis=0)[0])
+
+
+def _lowest(a: Array, b: Array) -> tuple[Array, Mask]:
+    """Return (v where a/b is least over q = v^2 in [0, inf], whether that is in doubt)."""
+    ratio = rows.at(a, _GRID[:, None] + np.zeros(a.shape[1])) / rows.at(
+        b, _GRID[:, None] + np.zeros(a.shape[1])
+    )
+    best = np.clip(np.argmin(ratio, axis=0), 1, len(_GRID) - 2)
+    q, inside = _flat(a, b, _GRID[best - 1], _GRID[best + 1], _GRID[best])
+    value = rows.at(a, q) / rows.at(b, q)
+    v, value = np.sqrt(q), value
+    for end, here in ((0.0, a[0] / b[0]), (np.inf, a[-1] / b[-1])):
+        lower = here <= value * (1 + 1e-14)
+        v, value = np.where(lower, end, v), np.where(lower, here, value)
+    proved = (inside | (v == 0) | np.isinf(v)) & _nothing_below(a - value * b, v * v)
+    (open_,) = np.nonzero(~proved)
+    doubt = np.zeros(len(v), bool)
+    if len(open_):
+        v[open_], doubt[open_] = _by_slopes(a[:, open_], b[:, open_])
+    return v, doubt
+
+
+def _flat(a: Array, b: Array, low: Array, high: Array, q: Array) -> tuple[Array, Mask]:
+    """Return (where the slope of log a/b becomes positive in (low, high), whether it does)."""
+    falls, rises = np.zeros(len(q), bool), np.zeros(len(q), bool)
+    da, db = rows.derivative(a), rows.derivative(b)
+    step = np.full(len(q), np.inf)
+    for _ in range(_STEPS):
+        fa, sa = rows.at(a, q), rows.at(da, q)
+        fb, sb = rows.at(b, q), rows.at(db, q)
+        _, ca = rows.with_slope(da, q)
+        _, cb = rows.with_slope(db, q)
+        slope = sa * fb - fa * sb
+        left = slope < 0
+        falls |= left
+        rises |= ~left
+        low, high = np.where(left, q, low), np.where(left, high, q)
+        new = q - slope / (ca * fb - fa * cb)
+        inside = (new > low) & (new < high) & (2 * np.abs(new - q) <= step)
+        last, q = q, np.where(inside, new, np.sqrt(low * high))
+        step = np.abs(q - last)
+        if np.all((step <= 1e-15 * q) | (high <= low * (1 + 1e-14))):
+            break
+    return q, falls & rises
+
+
+def _nothing_below(rest: Array, q: Array) -> Mask:
+    """Return whether ``rest``, which has its double root at q taken out, has no positive root."""
+    inner = (q > 0) & np.isfinite(q)
+    divided = rest
+    for _ in range(2):
+        divided = _without(divided, q)
+    divided = np.where(inner, divided, _shorter(rest, q))
+    count = rows.changes(divided)
+    proved: Mask = np.equal(count, 0)
+    (maybe,) = np.nonzero((count > 0) & (count % 2 == 0))
+    if len(maybe):
+        roots, doubt = rows.positive_roots(divided[:, maybe])
+        proved[maybe] = ~np.isfinite(roots).any(axis=0) & ~doubt
+    return proved
+
+
+def _without(a: Array, q: Array) -> Array:
+    """Return a/(x - q), the remainder dropped, in as many rows as before (the last is 0)."""
+    out = np.zeros_like(a)
+    carry = np.zeros(a.shape[1])
+    for k in range(len(a) - 1, 0, -1):
+        carry = a[k] + q * carry
+        out[k - 1] = carry
+    return out
+
+
+def _shorter(rest: Array, q: Array) -> Array:
+    """Return ``rest`` with the coefficient that its least at an end has made 0 left out."""
+    out = rest.copy()
+    out[0] = np.where(q == 0, 0.0, out[0])
+    out[-1] = np.where(np.isinf(q), 0.0, out[-1])
+    return out
+
+
+def _by_slopes(a: Array, b: Array) -> tuple[Array, Mask]:
+    """Return (v where a/b is least, whether in doubt), every place where its slope is 0 tried."""
+    slope = rows.times(rows.derivative(a), b) - rows.times(a, rows.derivative(b))
+    size = np.max(np.abs(slope), axis=0)
+    q, doubt = rows.positive_roots(slope / np.where(size > 0, size, 1.0))
+    inner = np.where(np.isfinite(q), q, 1.0)
+    value = np.where(np.isfinite(q), rows.at(a, inner) / rows.at(b, inner), np.inf)
+    value = np.concatenate([value, [a[0] / b[0], a[-1] / b[-1]]])
+    places = np.concatenate([q, np.zeros((1, a.shape[1])), np.full((1, a.shape[1]), np.inf)])
+    value = np.where(np.isnan(value), np.inf, value)
+    best = np.argmin(value, axis=0)
+    return np.sqrt(np.take_along_axis(places, best[None, :], axis=0)[0]), doubt
+
+
+def _peak(loops: Loops, name: str, v: Array) -> dict[str, Array]:
+    end = np.isinf(v)
+    at = np.where(end, 1.0, v)
+    n, d = rows.on_axis(loops.num, at)[0], rows.on_axis(loops.den, at)[0]
+    n, d = np.where(end, loops.num[-1], n), np.where(end, loops.den[-1], d)
+    w = loops.frequency(v)
+    if name == "modulus":
+        least = np.abs(n + d) / np.abs(d)
+        return {"modulus_margin": least, "ms": 1 / least, "ms_frequency": w}
+    if name == "mt":
+        return {"mt": np.abs(n) / np.abs(n + d), "mt_frequency": w}
+    return {"disk_margin": 2 * np.abs(n + d) / np.abs(d - n), "disk_frequency": w}
+
+
+def _bandwidth(loops: Loops, nn: Array, aa: Array) -> tuple[Array, Mask]:
+    at_rest = _DROP * nn[0] / aa[0]
+    q, doubt = rows.positive_roots(nn - at_rest * aa)
+    first = q[0] if len(q) else np.full(len(at_rest), np.inf)
+    falls = np.isfinite(first) & (at_rest > 0)
+    return np.where(falls, loops.frequency(np.sqrt(np.where(falls, first, 1.0))), np.nan), doubt

@@ -1,0 +1,200 @@
+"""A batch with NumPy alone: hold, law, verification, each done for a thousand loops at a time.
+
+What floats cannot decide, or only in many steps, is left to the single design: a pivot that may
+be rounding, an extreme that may touch 0, a request at the edge of what its law can do.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from zoh.batch import single
+from zoh.batch.arrays import laws, rows
+from zoh.batch.arrays.held import Held, held
+from zoh.batch.arrays.laws import Solved
+from zoh.batch.arrays.margins import Loops, measured, stable
+from zoh.batch.arrays.motion import motion, poles
+from zoh.batch.arrays.rows import Array, Mask, only
+from zoh.batch.arrays.steps import step_metrics
+from zoh.batch.columns import Columns, Results, coefficients, column, empty, length
+from zoh.batch.figures import BY_NAME
+from zoh.batch.job import GIVEN, Job
+from zoh.batch.reason import Reason
+
+CHUNK = 1024  # loops at a time: their matrices stay in a core's own cache
+
+_ORDER = 6  # of the plant
+_DELAYS = 4  # whole samples: each is a power in the loop and a state in its motion
+_EDGE = 1e-11  # rad from the end of what a law can give: within rounding of it
+_TOL = 1e-9  # of the crossover and the margin: what a design promises
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Batch:
+    """Loops of one law, a column each.
+
+    num, den     the plant with its sensor, rows of ascending powers of s, equally many; the last
+                 row of den is 1
+    delay, lead  samples of dead time and compute delay: delay - lead, 0 <= lead < 1
+    asked        the law's parameters;  regular  what is within every bound
+    """
+
+    num: Array
+    den: Array
+    dt: Array
+    delay: npt.NDArray[np.int64]
+    lead: Array
+    asked: dict[str, Array]
+    regular: Mask
+
+
+def covers(job: Job) -> bool:
+    """Return whether these arithmetics can do the job.
+
+    A plant that answers at once jumps within a sample, which is left to the single design.
+    """
+    num, den = coefficients(job, {}, 1)
+    plain = not job.sections and len(num) < len(den) <= _ORDER + 1
+    if job.controller is not None:
+        return plain and job.controller.delay == 0 and len(job.controller.den_w) <= 4
+    asked = {*job.asked, *(key for key in job.varying if key in job.law_keys)}
+    takes = {"wc", "pm_deg", "ki", "dc_gain", "filter_pole"}
+    return plain and job.law in laws.LAWS and {"wc", "pm_deg"} <= asked <= takes
+
+
+def run(job: Job, columns: Columns) -> Results:
+    """Return the columns of ``zoh.batch.figures``, as ``zoh.batch.single`` does.
+
+    >>> from zoh.lti.systems import Plant
+    >>> arm = Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
+    >>> job = Job(plant=arm, law="pi", asked={"pm_deg": 40}, dt=0.1, varying=("wc",))
+    >>> found = run(job, {"wc": np.array([0.8, 3.0, 40.0])})
+    >>> [Reason(code).name for code in found["reason"]]
+    ['OK', 'INFEASIBLE', 'BEYOND_NYQUIST']
+    """
+    n = length(job, columns)
+    out = empty(job, n)
+    for start in range(0, n, CHUNK):
+        part = slice(start, min(start + CHUNK, n))
+        here = {key: values[part] for key, values in columns.items()}
+        found, left = _some(job, here, part.stop - part.start)
+        for name, values in found.items():
+            out[name][part] = values
+        (which,) = np.nonzero(left)
+        if len(which):
+            again = single.run(job, {key: values[which] for key, values in here.items()})
+            for name, values in again.items():
+                out[name][start + which] = values
+    return out
+
+
+def batch(job: Job, columns: Columns, n: int) -> Batch:
+    """Return what is asked of n loops."""
+    num, den = coefficients(job, columns, n)
+    dt = column(job, columns, "dt", n)
+    late = column(job, columns, "dead_time", n) + column(job, columns, "compute_delay", n)
+    asked = {
+        key: column(job, columns, key, n)
+        for key in job.law_keys
+        if key in job.asked or key in columns
+    }
+    regular = (dt > 0) & (late >= 0) & (den[0] != 0) & np.any(num != 0, axis=0)
+    for values in asked.values():
+        regular &= values > 0
+    if "pm_deg" in asked:
+        regular &= (asked["pm_deg"] < 180) & (asked["wc"] * dt < np.pi)
+    with np.errstate(all="ignore"):
+        ratio = late / dt
+        whole = np.abs(ratio - np.round(ratio)) <= 8 * np.spacing(ratio)
+        delay = np.where(whole, np.round(ratio), np.ceil(ratio))
+        regular &= delay <= _DELAYS
+        lead = np.where(whole, 0.0, (delay * dt - late) / dt)
+        num = np.concatenate([num[::-1], np.zeros((len(den) - len(num), n))])
+        num, den = num * (job.plant.sensor / den[0]), den[::-1] / den[0]
+    return Batch(
+        num=num, den=den, dt=dt, delay=np.where(regular, delay, 0).astype(np.int64), lead=lead,
+        asked=asked, regular=regular,
+    )  # fmt: skip
+
+
+def _some(job: Job, columns: Columns, n: int) -> tuple[Results, Mask]:
+    """Return (the results of a chunk, which loops are left to the single design)."""
+    wanted = batch(job, columns, n)
+    out, left = empty(job, n), ~wanted.regular
+    for delay in np.unique(wanted.delay[wanted.regular]):
+        (who,) = np.nonzero(wanted.regular & (wanted.delay == delay))
+        found, doubt = _alike(job, only(wanted, who), int(delay))
+        for name, values in found.items():
+            out[name][who] = values
+        left[who] = doubt
+    return out, left
+
+
+def _alike(job: Job, wanted: Batch, delay: int) -> tuple[Results, Mask]:
+    """Return the results of loops that are equally many whole samples late."""
+    n = len(wanted.dt)
+    with np.errstate(all="ignore"):
+        plant = held(wanted.num, wanted.den, wanted.dt, wanted.delay, wanted.lead)
+        loops, law = closed(job, wanted, plant, delay)
+        good, doubt = stable(loops)
+    doubt |= ~plant.exact
+    able = law.room > 0
+    doubt |= np.abs(law.room) <= _EDGE
+    out = empty(job, n)
+    out["reason"][:] = np.where(able, np.where(good, Reason.OK, Reason.UNSTABLE), Reason.INFEASIBLE)
+    for name, values in law.gains.items():
+        out[f"gains.{name}"][able] = values[able]
+    (who,) = np.nonzero(able & good)
+    if len(who):
+        some = only(loops, who)
+        figures, unsure = measured(some)
+        doubt[who] |= unsure
+        late, unsure = step_metrics(
+            motion(only(plant, who), only(law, who), delay), only(plant, who), delay,
+            poles(some), some.dt, job.reference,
+        )  # fmt: skip
+        doubt[who] |= unsure
+        out["stable"][who] = True
+        for name in BY_NAME:
+            out[name][who] = late[name] if name in late else figures[name]
+        if "pm_deg" in wanted.asked:
+            off = np.abs(figures["phase_margin_deg"] - wanted.asked["pm_deg"][who]) > _TOL
+            off |= np.abs(figures["crossover"] / wanted.asked["wc"][who] - 1) > _TOL
+            out["reason"][who[off]] = Reason.OFF_TARGET
+    return out, doubt & (able | (np.abs(law.room) <= _EDGE))
+
+
+def closed(job: Job, wanted: Batch, plant: Held, delay: int) -> tuple[Loops, Solved]:
+    """Return the loops on their frequency axes, and the laws."""
+    count = len(wanted.dt)
+    top, bottom = plant.num, plant.den
+    one = np.ones(count)
+    for _ in range(delay):
+        top, bottom = (
+            rows.times(top, np.stack([one, -one])),
+            rows.times(bottom, np.stack([one, one])),
+        )
+    if job.law == GIVEN and job.controller is not None:
+        law = laws.given(job.controller, count)
+        num, den = rows.times(top, law.num), rows.times(bottom, law.den)
+        x = _crossover(num, den)
+    else:
+        x = np.tan(wanted.asked["wc"] * wanted.dt / 2)
+        g = rows.on_axis(top, x)[0] / rows.on_axis(bottom, x)[0]
+        at = laws.wanted(g, wanted.asked["pm_deg"], x, wanted.dt)
+        law = laws.LAWS[job.law](at, wanted.asked)
+        num, den = rows.times(top, law.num), rows.times(bottom, law.den)
+    powers = np.power(x[None, :], np.arange(float(len(den)))[:, None])
+    num = np.concatenate([num, np.zeros((len(den) - len(num), count))])
+    return Loops(num=num * powers, den=den * powers, x=x, dt=wanted.dt), law
+
+
+def _crossover(num: Array, den: Array) -> Array:
+    """Return about the highest |p| at which the gain is 1, or where it is nearest to 1."""
+    x = np.geomspace(1e-7, 1e4, 111)
+    ones = np.ones((len(x), num.shape[1]))
+    size = np.abs(rows.on_axis(num, x[:, None] * ones)[0] / rows.on_axis(den, x[:, None] * ones)[0])
+    last = len(x) - 1 - np.argmax(size[::-1] >= 1, axis=0)
+    nearest = np.argmin(np.abs(np.log(size)), axis=0)
+    return np.asarray(x[np.where((size >= 1).any(axis=0), last, nearest)])

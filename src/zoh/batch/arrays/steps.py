@@ -1,0 +1,205 @@
+"""The metrics of many step responses at once, at the samples.
+
+Every sample is looked at while a mode lives that turns by more than a quarter of a radian in two
+of them; then every second, every fourth, ..., the matrices being squared. What was met at a long
+stride is closed in on by halving. A response is left where one mode, or one pair, is alone and
+cannot leave the band any more.
+"""
+
+import numpy as np
+
+from zoh.batch.arrays.between import Piece, estimate, pieces
+from zoh.batch.arrays.closing import RISE, between, closed_in
+from zoh.batch.arrays.held import Held
+from zoh.batch.arrays.look import Index, Part, Seen, twice
+from zoh.batch.arrays.modes import BAND, Modes
+from zoh.batch.arrays.motion import Motion
+from zoh.batch.arrays.rows import Array, Complex, Mask
+
+_TURN = 0.25  # rad
+_CREST = 0.98  # of the band: between samples at a long stride it may be left
+_BLOCK = 16  # samples between two looks at which loops are done
+_NOTHING = 1e-10  # an overshoot below this part of the final value is rounding
+_LEVELS = 40
+_MOST = 4096  # samples at one stride after which a loop is left to the careful road
+
+
+def step_metrics(
+    motion: Motion, plant: Held, delay: int, z: Complex, dt: Array, reference: float = 1.0
+) -> tuple[dict[str, Array], Mask]:
+    """Return (the metrics by name, which loops had better be measured one by one).
+
+    z  the closed loop's poles to a few digits, shape (n, B): see ``motion.poles``
+    """
+    size = np.abs(motion.final)
+    sign = np.where(motion.final < 0, -1.0, 1.0)
+    parts = pieces(plant, motion, delay)
+    seen, at_crest, doubt = _followed(motion, parts, sign, size, z)
+    closed_in(motion, sign, size, seen)
+    over, under = seen.top / size - 1, -seen.bottom / size
+    most, least = np.maximum(seen.most, motion.at_rest), np.minimum(seen.least, motion.at_rest)
+    reach = abs(reference)
+    highest, when, known = between(motion, plant, parts, sign, seen, at_crest)
+    beyond = highest / size - 1
+    return {
+        "between.overshoot_pct": np.where(beyond > _NOTHING, 100 * beyond, 0.0),
+        "between.peak_time": np.where(beyond > _NOTHING, when * dt, np.nan),
+        "overshoot_pct": np.where(over > _NOTHING, 100 * over, 0.0),
+        "undershoot_pct": np.where(under > _NOTHING, 100 * under, 0.0),
+        "rise_time": (seen.k_90 - seen.k_10) * dt,
+        "settling_time": (seen.k_out + 1) * dt,
+        "peak": np.maximum(seen.top, size) * reach,
+        "peak_time": np.where(over > _NOTHING, seen.k_top * dt, np.nan),
+        "steady_state_error": (1 - motion.final) * reference,
+        "peak_effort": np.maximum(most, -least) * reach,
+    }, doubt | ~known | (size == 0)
+
+
+def _followed(
+    motion: Motion, parts: list[Piece], sign: Array, size: Array, z: Complex
+) -> tuple[Seen, Array, Mask]:
+    """Return what was seen, Z before the highest crest, and which loops were left too early."""
+    count = len(size)
+    seen, doubt = Seen.of(count), np.zeros(count, bool)
+    at_crest = np.zeros(motion.output.shape)
+    modes = Modes.of(z, len(motion.delta))
+    lanes, moved = np.arange(count), motion.delta
+    state, k = np.zeros(motion.output.shape), np.zeros(count)
+    state[-1] = 1.0
+    for level in range(_LEVELS):
+        stride = 2.0**level
+        here = np.arange(len(lanes))
+        waiting: list[Index] = []
+        for _ in range(_MOST // _BLOCK):
+            who = lanes[here]
+            zs = _run(moved, state, here)
+            ys = _along(motion.output[:, who] * sign[who], zs)
+            us = _along(motion.effort[:, who], zs)
+            if level == 0:
+                _note_crests(seen, at_crest, parts, who, zs, sign[who], k[here])
+            _note(seen, who, ys, size[who], k[here], stride)
+            _note_effort(seen, who, us, k[here], stride)
+            k[here] += _BLOCK * stride
+            part = Part.of(motion, sign, size, who)
+            done, turning = modes.look(
+                who, k[here], part, motion.effort[:, who], motion.at_rest[who], state[:, here], seen
+            )
+            on = ~done & (turning * 2 * stride <= _TURN)
+            waiting.append(here[on])
+            here = here[~done & ~on]
+            if not len(here):
+                break
+        doubt[lanes[here]] = True
+        keep = np.concatenate(waiting)
+        if not len(keep):
+            return seen, at_crest, doubt
+        lanes, state, k = lanes[keep], state[:, keep], k[keep]
+        moved = twice(moved[:, :, keep])
+    doubt[lanes] = True
+    return seen, at_crest, doubt
+
+
+def _run(moved: Array, state: Array, here: Index) -> Array:
+    """Move the state over a block, in place, and return Z at its samples, (block, N, B)."""
+    s, z = moved[:-1, :, here], state[:, here]
+    zs = np.empty((_BLOCK, *z.shape))
+    step = np.empty_like(z[:-1])
+    part = np.empty_like(step)
+    for at in zs:
+        at[:] = z
+        np.multiply(s[:, 0], z[0], out=step)
+        for j in range(1, len(z)):
+            np.multiply(s[:, j], z[j], out=part)
+            step += part
+        z[:-1] += step
+    state[:, here] = z
+    return zs
+
+
+def _along(row: Array, zs: Array) -> Array:
+    """Return a signal at each sample of a block, (block, B); zeros of its row cost nothing."""
+    out = np.zeros((len(zs), zs.shape[2]))
+    for j, weight in enumerate(row):
+        if weight.any():
+            out += weight * zs[:, j]
+    return out
+
+
+def _note_crests(
+    seen: Seen, at_crest: Array, parts: list[Piece], who: Index, zs: Array, sign: Array, k: Array
+) -> None:
+    """Note which piece of which sample has the highest crest, and Z before it.
+
+    Where the input changes within a sample the end of a piece may be a corner: ``piece`` and half.
+    """
+    for number, part in enumerate(parts):
+        ends = [_along(row[:, who] * sign, zs) for row in (part.slope0, part.slope1)]
+        if ((ends[0] > 0) & (ends[1] < 0)).any():
+            y0, y1 = (_along(row[:, who] * sign, zs) for row in (part.y0, part.y1))
+            span = (part.end - part.begin)[who]
+            heights = estimate(y0, y1, ends[0] * span, ends[1] * span)
+            _note_crest(seen, at_crest, heights, float(number), who, zs, k)
+    for number, part in enumerate(parts[:-1]):
+        corner = _along(part.y1[:, who] * sign, zs)
+        _note_crest(seen, at_crest, corner, number + 0.5, who, zs, k)
+
+
+def _note_crest(
+    seen: Seen, at_crest: Array, heights: Array, piece: float, who: Index, zs: Array, k: Array
+) -> None:
+    best = np.argmax(heights, axis=0)
+    height = np.take_along_axis(heights, best[None, :], axis=0)[0]
+    (new,) = np.nonzero(height > seen.crest[who])
+    which = who[new]
+    seen.crest[which] = height[new]
+    seen.k_crest[which] = k[new] + best[new]
+    seen.piece[which] = piece
+    at_crest[:, which] = zs[best[new], :, new].T
+
+
+def _note_effort(seen: Seen, who: Index, us: Array, k: Array, stride: float) -> None:
+    for side, best, places, strides in (
+        (1.0, seen.most, seen.k_most, seen.stride_most),
+        (-1.0, seen.least, seen.k_least, seen.stride_least),
+    ):
+        reached = (side * us).max(axis=0)
+        new = reached > side * best[who]
+        if new.any():
+            which = who[new]
+            best[which] = side * reached[new]
+            places[which] = k[new] + stride * np.argmax(side * us[:, new], axis=0)
+            strides[which] = stride
+
+
+def _note(seen: Seen, who: Index, ys: Array, size: Array, k: Array, stride: float) -> None:
+    """Note what a block shows; k is its first sample."""
+    before = seen.top[who]
+    so_far = np.maximum.accumulate(ys, axis=0)
+    top = so_far[-1]
+    higher = top > before
+    seen.k_top[who] = np.where(higher, k + stride * np.sum(so_far < top, axis=0), seen.k_top[who])
+    seen.stride_top[who] = np.where(higher, stride, seen.stride_top[who])
+    for level, places, strides in (
+        (RISE[0], seen.k_10, seen.stride_10), (RISE[1], seen.k_90, seen.stride_90),
+    ):  # fmt: skip
+        new = (before < level * size) & (top >= level * size)
+        if new.any():
+            which = who[new]
+            places[which] = k[new] + stride * np.sum(so_far[:, new] < level * size[new], axis=0)
+            strides[which] = stride
+    seen.top[who] = np.maximum(before, top)
+    seen.bottom[who] = np.minimum(seen.bottom[who], ys.min(axis=0))
+    off = np.maximum.accumulate(np.abs(ys[::-1] - size), axis=0)
+    _last(seen.k_out, seen.stride_out, who, off > BAND * size, k, stride)
+    if stride > 1:
+        _last(seen.k_near, seen.stride_near, who, off > _CREST * BAND * size, k, stride)
+
+
+def _last(
+    places: Array, strides: Array, who: Index, outside: Mask, k: Array, stride: float
+) -> None:
+    """Note the last sample at which something was outside; rows count back from the block's end."""
+    count = np.sum(outside, axis=0)  # rows from the first outside one, seen from the end
+    new = count > 0
+    places[who[new]] = k[new] + stride * (count[new] - 1)
+    strides[who[new]] = stride

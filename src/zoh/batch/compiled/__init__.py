@@ -1,0 +1,1 @@
+"""The arithmetic of ``zoh.batch.arrays`` for one loop at a time, compiled by numba."""

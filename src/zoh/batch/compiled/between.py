@@ -1,0 +1,180 @@
+"""The highest that one step response goes between its samples; see ``zoh.batch.arrays.between``."""
+
+from math import inf
+from typing import NamedTuple
+
+import numpy as np
+
+from zoh.batch.arrays.rows import Array
+from zoh.batch.compiled.jit import compiled, shared
+from zoh.batch.compiled.motion import SIZE, Motion
+from zoh.batch.compiled.plant import ORDER, Plant, advanced
+
+_REACH, _TERMS, _LAST = 20.0, 72, 1e-15
+_NOTHING = 1e-18
+
+
+class Pieces(NamedTuple):
+    """The parts of every sample: rows on Z, and their ends as parts of a sample."""
+
+    y0: Array
+    y1: Array
+    slope0: Array
+    slope1: Array
+    state: Array
+    input: Array
+    ends: Array
+    delta: Array
+    b: Array
+    matrix: Array
+    series: Array
+    input_slope: Array
+
+
+def pieces() -> Pieces:
+    """Return the arrays."""
+    rows = (2, SIZE)
+    return Pieces(
+        y0=np.zeros(rows), y1=np.zeros(rows), slope0=np.zeros(rows), slope1=np.zeros(rows),
+        state=np.zeros((3, ORDER, SIZE)), input=np.zeros(rows), ends=np.zeros(3),
+        delta=np.zeros((ORDER, ORDER)), b=np.zeros(ORDER), matrix=np.zeros((ORDER, ORDER)),
+        series=np.zeros(_TERMS + ORDER + 1), input_slope=np.zeros(1),
+    )  # fmt: skip
+
+
+@compiled
+def cut(q: Pieces, m: Motion, p: Plant, n: int, delay: int, lead: float, size: int) -> int:
+    """Write the parts of every sample over which the input is held; return how many."""
+    count = 2 if delay and lead > 0.0 else 1
+    q.ends[0], q.ends[count] = 0.0, 1.0
+    if count == 2:
+        q.ends[1] = 1.0 - lead
+    halvings, terms = 0, int(p.numbers[4])
+    q.input_slope[0] = p.markov[0]
+    while 2.0**halvings < p.numbers[1]:
+        halvings += 1
+    for i in range(n):
+        for j in range(size):
+            q.state[0, i, j] = 1.0 if i == j else 0.0
+    for piece in range(count):
+        for j in range(size):
+            if delay - piece > 0:
+                q.input[piece, j] = 1.0 if j == n + delay - piece - 1 else 0.0
+            else:
+                q.input[piece, j] = m.effort[j]
+        if count == 2:
+            span = q.ends[piece + 1] - q.ends[piece]
+            advanced(p.rows, p.markov, n, terms, halvings, span, q.delta, q.b, q.matrix)
+            moved(q, piece, n, size, q.delta, q.b)
+        else:
+            moved(q, piece, n, size, p.delta, p.before)
+        for j in range(size):
+            through = p.numbers[0] * q.input[piece, j]
+            q.y0[piece, j] = q.state[piece, 0, j] + through if n else through
+            q.y1[piece, j] = q.state[piece + 1, 0, j] + through if n else through
+            q.slope0[piece, j] = slope(q, p, piece, piece, n, j)
+            q.slope1[piece, j] = slope(q, p, piece + 1, piece, n, j)
+    return count
+
+
+@compiled
+def moved(q: Pieces, piece: int, n: int, size: int, delta: Array, b: Array) -> None:
+    """Write the state after a piece as rows on Z."""
+    for i in range(n):
+        for j in range(size):
+            total = q.state[piece, i, j] + b[i] * q.input[piece, j]
+            for k in range(n):
+                total += delta[i, k] * q.state[piece, k, j]
+            q.state[piece + 1, i, j] = total
+
+
+@compiled
+def slope(q: Pieces, p: Plant, state: int, piece: int, n: int, j: int) -> float:
+    """Return an element of dy/dt per sample as a row on Z."""
+    if n == 0:
+        return 0.0
+    of_state = q.state[state, 1, j] if n > 1 else p.rows[1, 0] * q.state[state, 0, j]
+    whole: float = (of_state + p.markov[0] * q.input[piece, j]) * p.numbers[1]
+    return whole
+
+
+@compiled
+def estimate(y0: float, y1: float, slope0: float, slope1: float) -> float:
+    """Return about the height of a crest between, from a cubic."""
+    t = slope0 / (slope0 - slope1)
+    s = 1.0 - t
+    cubic = (
+        y0 * (1.0 + 2.0 * t) * s * s + slope0 * t * s * s + y1 * t * t * (3.0 - 2.0 * t)
+        - slope1 * t * t * s
+    )  # fmt: skip
+    return max(cubic, max(y0, y1))
+
+
+@shared
+def crest(
+    p: Plant, q: Pieces, piece: int, n: int, z: Array, sign: float, size: int
+) -> tuple[float, float, bool]:
+    """Return (the height of the crest in a piece at Z, its time in samples, whether known)."""
+    if n == 0:
+        return -inf, 0.0, True
+    g, span = q.series, (q.ends[piece + 1] - q.ends[piece]) * p.numbers[1]
+    reach = p.numbers[2] * (q.ends[piece + 1] - q.ends[piece])
+    u = 0.0
+    for j in range(size):
+        u += sign * q.input[piece, j] * z[j]
+    last = 0.0
+    for i in range(n):
+        x = 0.0
+        for j in range(size):
+            x += sign * q.state[piece, i, j] * z[j]
+        last += p.rows[n, i] * x
+        g[i] = x + p.markov[i - 1] * u if i else x
+    g[n] = last + p.markov[n - 1] * u
+    terms, bulk = n, 1.0
+    while terms < _TERMS and (terms < n + 2 or terms <= reach or bulk > _NOTHING):
+        terms += 1
+        bulk *= reach / (terms - n)
+        total = 0.0
+        for i in range(n):
+            total += p.rows[n, i] * g[terms - n + i]
+        g[terms] = total
+    weight = 1.0
+    for k in range(1, terms + 1):
+        weight *= span / k
+        g[k] *= weight
+    height, when = -inf, 0.0
+    falls = 0.0
+    for k in range(1, terms + 1):
+        falls += k * g[k]
+    if g[1] > 0.0 > falls:
+        t = turning(g, terms, g[1] / (g[1] - falls))
+        value = g[terms]
+        for k in range(terms - 1, -1, -1):
+            value = value * t + g[k]
+        height = value + p.numbers[0] * u
+        when = q.ends[piece] + t * (q.ends[piece + 1] - q.ends[piece])
+    return height, when, reach <= _REACH
+
+
+@compiled
+def turning(g: Array, terms: int, t: float) -> float:
+    """Return where the slope of the series changes from rising to falling in (0, 1)."""
+    low, high, new = 0.0, 1.0, t
+    for _ in range(60):
+        f, df = terms * g[terms], 0.0
+        for k in range(terms - 1, 0, -1):
+            df = df * t + f
+            f = f * t + k * g[k]
+        if f == 0.0:
+            return t
+        if f > 0.0:
+            low = t
+        else:
+            high = t
+        new = t - float(f / df)
+        if not low < new < high:
+            new = (low + high) / 2.0
+        if abs(new - t) <= _LAST:
+            return new
+        t = new
+    return t

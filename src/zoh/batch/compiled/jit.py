@@ -1,0 +1,41 @@
+"""How every function here is compiled: once, kept on disk, free of Python's lock.
+
+A product and a sum may be fused, nothing may be reordered; a division by 0 is inf, as in NumPy.
+What is kept on disk is known by one file's time alone, and would be used after a change in
+another file that it calls. So only ``kept`` functions are, and they carry a stamp of the whole
+folder in a variable that the key takes in.
+"""
+
+from collections.abc import Callable
+from hashlib import sha256
+from importlib.resources import files
+from typing import TypeVar, cast
+
+from numba import njit
+
+Function = TypeVar("Function", bound=Callable[..., object])
+
+
+def compiled(function: Function) -> Function:
+    """Return the function, compiled into each place that calls it: no arrays are passed."""
+    made = njit(nogil=True, error_model="numpy", fastmath={"contract"}, forceinline=True)(function)
+    return cast(Function, made)
+
+
+def shared(function: Function) -> Function:
+    """Return the function, compiled once for all who call it: it is long, or called from many."""
+    made = njit(nogil=True, error_model="numpy", fastmath={"contract"})(function)
+    return cast(Function, made)
+
+
+def kept(function: Function) -> Function:
+    """Return the function, compiled when it is first called and kept on disk."""
+    made = njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})(function)
+    return cast(Function, made)
+
+
+def stamp() -> int:
+    """Return a number that changes with any source in this folder."""
+    sources = sorted((f.name, f.read_bytes()) for f in files(__package__).iterdir()
+                     if f.name.endswith(".py"))  # fmt: skip
+    return int.from_bytes(sha256(repr(sources).encode()).digest()[:6])

@@ -1,0 +1,283 @@
+"""The zero-order hold of one plant; see ``zoh.batch.arrays.held``, the arithmetic of which this is.
+
+What belongs to a plant is written into a ``Plant``'s arrays, made once and used for every loop.
+"""
+
+from math import pi, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from zoh.batch.arrays.rows import Array
+from zoh.batch.compiled.jit import compiled, shared
+
+ORDER = 6
+_SMALL, _SLOW = 0.5, 1.5
+TERMS, _EULER_TERMS = 18, 40
+_NOTHING = 1e-18
+
+
+def _eulers() -> Array:
+    """Return E_k(0)/k!, from 2 = (e^x + 1) sum_k E_k(0)/k! x^k."""
+    found = np.zeros(_EULER_TERMS + 1)
+    found[0] = 1.0
+    for k in range(1, _EULER_TERMS + 1):
+        weight, total = 1.0, 0.0
+        for j in range(k - 1, -1, -1):
+            weight /= k - j
+            total += found[j] * weight
+        found[k] = -total / 2
+    return found
+
+
+_EULER = _eulers()
+_FACTORIAL = np.cumprod(np.concatenate([[1.0], np.arange(1.0, _EULER_TERMS + 2)]))
+
+
+class Plant(NamedTuple):
+    """What the hold makes: see ``zoh.batch.arrays.held.Held``; the first places of longer arrays.
+
+    a, b     the plant in samples, then in the unit;  markov in the unit, h in samples
+    numbers  direct, samples of the unit, reach, how far off the gain at rest has come out, terms
+    """
+
+    top: Array
+    bottom: Array
+    delta: Array
+    before: Array
+    after: Array
+    rows: Array
+    markov: Array
+    a: Array
+    b: Array
+    matrix: Array
+    other: Array
+    fl: Array
+    numbers: Array
+
+
+def plant() -> Plant:
+    """Return the arrays."""
+    n = ORDER
+    return Plant(
+        top=np.zeros(2 * n), bottom=np.zeros(2 * n), delta=np.zeros((n, n)), before=np.zeros(n),
+        after=np.zeros(n), rows=np.zeros((n + TERMS + 1, n)),
+        markov=np.zeros(_EULER_TERMS + n + 2), a=np.zeros(n + 1), b=np.zeros(n + 1),
+        matrix=np.zeros((n, n)), other=np.zeros((n, n)), fl=np.zeros((n, n)), numbers=np.zeros(5),
+    )  # fmt: skip
+
+
+@compiled
+def held(p: Plant, n: int, dt: float, lead: float) -> None:
+    """Hold the plant p.b/p.a (ascending powers of s, a[n] = 1, overwritten) of order n."""
+    a, b, h, numbers = p.a, p.b, p.markov, p.numbers
+    power = 1.0
+    for j in range(n, -1, -1):
+        a[j] *= power
+        b[j] *= power
+        power *= dt
+    direct = b[n]
+    for j in range(n):
+        b[j] -= direct * a[j]
+    numbers[0] = direct
+    if n == 0:
+        p.top[0], p.bottom[0] = direct, 1.0
+        numbers[1], numbers[2], numbers[3], numbers[4] = 1.0, 0.0, 0.0, 0.0
+        return
+    reach = 0.0
+    for j in range(n):
+        size = abs(a[j])
+        if n - j == 2:
+            size = sqrt(size)
+        elif n - j > 2:
+            size = size ** (1.0 / (n - j))
+        reach = max(reach, 2.0 * size)
+    numbers[2] = reach
+    rest, power = 0, 1.0
+    while rest < n and a[rest] == 0.0:
+        rest, power = rest + 1, 2.0 * power
+    at_rest = power * a[rest] / b[0] if b[0] != 0.0 else 0.0
+    unit, halvings = 1.0, 0
+    while reach * unit > _SMALL and halvings < 60:
+        unit, halvings = unit / 2.0, halvings + 1
+    numbers[1] = 1.0 / unit
+    terms = min(n + needed(reach * unit), TERMS)  # the first n may be 0
+    numbers[4] = terms
+    euler = 0
+    if reach <= _SLOW:
+        size = 1.0
+        while euler < _EULER_TERMS and (euler < n + 2 or size > _NOTHING):
+            euler += 1
+            size *= reach / pi if euler > n else 1.0
+    count = max(terms + n, euler) + 1
+    for j in range(count):
+        value = b[n - 1 - j] if j < n else 0.0
+        for i in range(1, min(j, n) + 1):
+            value -= a[n - i] * h[j - i]
+        h[j] = value
+    at_nyquist = 0.0
+    if euler:
+        at_nyquist = nyquist(h, euler, lead)
+    if halvings:
+        power = 1.0
+        for j in range(n, -1, -1):
+            a[j] *= power
+            power *= unit
+        power = unit
+        for j in range(count):
+            h[j] *= power
+            power *= unit
+    powers_of(a, n, terms, p.rows)
+    advanced(p.rows, h, n, terms, halvings, 1.0, p.delta, p.before, p.matrix)
+    for i in range(n):
+        p.after[i] = 0.0
+    if lead > 0.0:
+        advanced(p.rows, h, n, terms, halvings, lead, p.other, p.after, p.matrix)
+    transfer(p, n)
+    if euler:
+        p.top[n] = at_nyquist * p.bottom[n]
+    numbers[3] = at_rest * p.top[0] / p.bottom[rest] - 1.0 if at_rest != 0.0 else 0.0
+    for k in range(n + 1):
+        p.top[k] += direct * p.bottom[k]
+
+
+@compiled
+def needed(reach: float) -> int:
+    """Return how many terms the exponential's series needs."""
+    m, size = 0, 1.0
+    while m < TERMS and size > _NOTHING:
+        m += 1
+        size *= reach / m
+    return m
+
+
+@compiled
+def nyquist(h: Array, count: int, lead: float) -> float:
+    """Return the gain at z = -1 from E_k(lead)/k! = sum_j E_j(0)/j! lead^(k-j)/(k-j)!."""
+    total = 0.0
+    for k in range(1, count + 1):
+        value = _EULER[k]
+        if lead > 0.0:
+            power = 1.0
+            for j in range(k - 1, -1, -1):
+                power *= lead
+                value += _EULER[j] * power / _FACTORIAL[k - j]
+        total += value * h[k - 1]
+    return total
+
+
+@compiled
+def powers_of(a: Array, n: int, terms: int, rows: Array) -> None:
+    """Write C A^m of the companion matrix for m < n + terms."""
+    for m in range(n):
+        for j in range(n):
+            rows[m, j] = 1.0 if m == j else 0.0
+    for m in range(n, n + terms + 1):
+        last = rows[m - 1, n - 1]
+        for j in range(n - 1, 0, -1):
+            rows[m, j] = rows[m - 1, j - 1] - last * a[j]
+        rows[m, 0] = -last * a[0]
+
+
+@shared
+def advanced(
+    rows: Array, h: Array, n: int, terms: int, halvings: int, t: float, delta: Array, b: Array,
+    matrix: Array,
+) -> None:  # fmt: skip
+    """Write delta and B over t samples."""
+    for i in range(n):
+        b[i] = 0.0
+        for j in range(n):
+            delta[i, j] = 0.0
+    weight = 1.0
+    for m in range(1, terms + 1):
+        weight *= t / m
+        for i in range(n):
+            b[i] += weight * h[m - 1 + i]
+            for j in range(n):
+                delta[i, j] += weight * rows[m + i, j]
+    for _ in range(halvings):
+        for i in range(n):
+            total = 2.0 * b[i]
+            for j in range(n):
+                total += delta[i, j] * b[j]
+            matrix[0, i] = total
+        for i in range(n):
+            b[i] = matrix[0, i]
+        for i in range(n):
+            for k in range(n):
+                total = 2.0 * delta[i, k]
+                for j in range(n):
+                    total += delta[i, j] * delta[j, k]
+                matrix[i, k] = total
+        for i in range(n):
+            for k in range(n):
+                delta[i, k] = matrix[i, k]
+
+
+@compiled
+def transfer(p: Plant, n: int) -> None:
+    """Write top and bottom in p, from delta, before and after (Faddeev-LeVerrier)."""
+    delta, m, product, rows = p.delta, p.matrix, p.other, p.fl
+    integrators = 0
+    while integrators < n - 1 and p.a[integrators] == 0.0:
+        integrators += 1
+    if integrators == n - 1 and p.a[n - 1] == 0.0:
+        integrators = n
+    char, top = p.b, p.top
+    char[n] = 1.0
+    for i in range(n):
+        for j in range(n):
+            m[i, j] = 1.0 if i == j else 0.0
+            rows[i, j] = 0.0
+    rows[n - 1, 0] = 1.0
+    for k in range(n - 1, -1, -1):
+        trace = 0.0
+        for i in range(n):
+            for j in range(n):
+                total = 0.0
+                for q in range(n):
+                    total += delta[i, q] * m[q, j]
+                product[i, j] = total
+            trace += product[i, i]
+        char[k] = -trace / (n - k) if k >= integrators else 0.0
+        if k:
+            for i in range(n):
+                for j in range(n):
+                    m[i, j] = product[i, j]
+                m[i, i] += char[k]
+            for j in range(n):
+                rows[k - 1, j] = m[0, j]
+    for k in range(n + 1):
+        total = 0.0
+        for i in range(n):
+            if k < n:
+                total += rows[k, i] * p.before[i]
+            if k:
+                total += rows[k - 1, i] * p.after[i]
+        m[0, 0] = 0.0
+        top[k] = total
+    in_p(top, n, rows)
+    for k in range(n + 1):
+        p.bottom[k] = char[k]
+    in_p(p.bottom, n, rows)
+
+
+@compiled
+def in_p(x: Array, n: int, work: Array) -> None:
+    """Turn powers of z - 1 into powers of p, times (1 - p)^n: Horner's scheme in 2p and 1 - p."""
+    out, power = work.ravel()[: n + 1], work.ravel()[n + 1 : 2 * n + 2]
+    for k in range(n + 1):
+        out[k], power[k] = 0.0, 0.0
+    power[0] = 1.0
+    out[0] = x[n]
+    for k in range(n - 1, -1, -1):
+        degree = n - k
+        for j in range(degree, 0, -1):
+            power[j] -= power[j - 1]
+            out[j] = 2.0 * out[j - 1]
+        out[0] = 0.0
+        for j in range(degree + 1):
+            out[j] += x[k] * power[j]
+    for k in range(n + 1):
+        x[k] = out[k]

@@ -1,0 +1,208 @@
+"""Polynomials of one loop: ascending powers in the first n + 1 places of an array.
+
+The methods and their sources are those of ``zoh.batch.arrays.rows``.
+"""
+
+from math import inf, sqrt
+
+import numpy as np
+
+from zoh.batch.arrays.rows import Array
+from zoh.batch.compiled.jit import compiled, shared
+
+MOST = 32  # places of every work array
+_STEPS = 120
+_LAST = 1e-8  # relative: the error after a Newton's step as small as this is its square
+_DOUBLE = 1e-10
+
+
+@compiled
+def at(a: Array, n: int, x: float) -> float:
+    """Return the value at x."""
+    value: float = a[n]
+    for k in range(n - 1, -1, -1):
+        value = value * x + a[k]
+    return value
+
+
+@compiled
+def with_slope(a: Array, n: int, x: float) -> tuple[float, float]:
+    """Return the value and the derivative at x."""
+    value, slope = a[n], 0.0
+    for k in range(n - 1, -1, -1):
+        slope = slope * x + value
+        value = value * x + a[k]
+    return value, slope
+
+
+@compiled
+def times(a: Array, n: int, b: Array, m: int, out: Array) -> int:
+    """Write the product into ``out``; return its degree."""
+    for k in range(n + m + 1):
+        out[k] = 0.0
+    for i in range(n + 1):
+        for j in range(m + 1):
+            out[i + j] += a[i] * b[j]
+    return n + m
+
+
+@compiled
+def squared(a: Array, n: int, out: Array) -> None:
+    """Write |a(jv)|^2 by powers of q = v^2 into ``out``, of degree n."""
+    for k in range(n + 1):
+        total = a[k] * a[k]
+        sign = -2.0
+        for i in range(1, min(k, n - k) + 1):
+            total += sign * a[k - i] * a[k + i]
+            sign = -sign
+        out[k] = total
+
+
+@compiled
+def on_axis(a: Array, n: int, v: float) -> tuple[float, float, float, float]:
+    """Return a(jv) and a'(jv), the derivative by its argument: two real parts, two imaginary."""
+    real, imag, of_real, of_imag = a[n], 0.0, 0.0, 0.0
+    for k in range(n - 1, -1, -1):
+        of_real, of_imag = real - v * of_imag, imag + v * of_real
+        real, imag = a[k] - v * imag, v * real
+    return real, imag, of_real, of_imag
+
+
+@compiled
+def changes(a: Array, n: int) -> int:
+    """Return the number of sign changes, zeros left out (Descartes)."""
+    count, last = 0, 0.0
+    for k in range(n + 1):
+        if a[k] != 0.0:
+            if a[k] * last < 0.0 or (last != 0.0 and (a[k] < 0.0) != (last < 0.0)):
+                count += 1
+            last = a[k]
+    return count
+
+
+@shared
+def closed_in(a: Array, n: int, low: float, high: float, x: float) -> float:
+    """Return the root between low and high, where a has two signs."""
+    rising, last = at(a, n, low) < 0.0, inf
+    for _ in range(_STEPS):
+        f, slope = with_slope(a, n, x)
+        if f == 0.0:
+            return x
+        if (f < 0.0) == rising:
+            low = x
+        else:
+            high = x
+        new = x - f / slope
+        if not (low < new < high) or 2.0 * abs(new - x) > last:
+            new = sqrt(low) * sqrt(high)
+        last = abs(new - x)
+        if last <= _LAST * x or high <= low * (1.0 + 1e-15):
+            return new
+        x = new
+    return x
+
+
+@compiled
+def bounds(a: Array, n: int) -> tuple[float, float]:
+    """Return two numbers between which every positive root is; a[0] and a[n] are not 0 (Cauchy)."""
+    most = 0.0
+    least = 0.0
+    for k in range(n):
+        most = max(most, abs(a[k]))
+        least = max(least, abs(a[k + 1]))
+    first, last = abs(a[0]), abs(a[n])
+    return 0.99 * first / (first + least), 1.01 * (last + most) / last
+
+
+@shared
+def positive_roots(a: Array, n: int, roots: Array, work: Array) -> tuple[int, bool]:
+    """Write the roots > 0 where a changes its sign, ascending; return (how many, any doubt).
+
+    work  from ``work()``: the derivatives, then the edges between which roots are
+    """
+    count = changes(a, n)
+    if count == 0:
+        return 0, False
+    while a[n] == 0.0:
+        n -= 1
+    first = 0
+    while a[first] == 0.0:
+        first += 1
+    top = work[0]
+    for k in range(first, n + 1):
+        top[k - first] = a[k]
+    n -= first
+    low, high = bounds(top, n)
+    if count == 1:
+        roots[0] = closed_in(top, n, low, high, min(max(1.0, low), high))
+        return 1, False
+    for level in range(1, n - 1):
+        size = 0.0
+        for k in range(n - level + 1):
+            work[level, k] = work[level - 1, k + 1] * (k + 1)
+            size = max(size, abs(work[level, k]))
+        for k in range(n - level + 1):
+            work[level, k] /= size
+    found = of_quadratic(work[max(n - 2, 0)], roots, low, high)
+    if n == 2:
+        c = top[1] * top[1] - 4.0 * top[0] * top[2]
+        return found, abs(c) <= 4.0 * _DOUBLE * top[1] * top[1]
+    edges, inner = work[MOST - 1], 0
+    for level in range(n - 3, -1, -1):
+        degree, poly = n - level, work[level]
+        inner = found
+        for k in range(found):
+            edges[k] = roots[k]
+        found = 0
+        left, value = low, at(poly, degree, low)
+        for k in range(inner + 1):
+            right = edges[k] if k < inner else high
+            next_value = at(poly, degree, right)
+            if (value < 0.0) != (next_value < 0.0):
+                roots[found] = closed_in(poly, degree, left, right, sqrt(left) * sqrt(right))
+                found += 1
+            left, value = right, next_value
+    doubt = False
+    for k in range(inner):
+        bulk, x = abs(top[n]), edges[k]
+        for j in range(n - 1, -1, -1):
+            bulk = bulk * x + abs(top[j])
+        doubt = doubt or abs(at(top, n, x)) <= _DOUBLE * bulk
+    return found, doubt
+
+
+@compiled
+def of_quadratic(a: Array, roots: Array, low: float, high: float) -> int:
+    """Write the two roots of a quadratic that are inside (low, high); return how many are."""
+    square = a[1] * a[1] - 4.0 * a[0] * a[2]
+    if not square > 0.0:
+        return 0
+    far = -0.5 * (a[1] + (sqrt(square) if a[1] > 0.0 else -sqrt(square)))
+    one, two = far / a[2], a[0] / far
+    if two < one:
+        one, two = two, one
+    found = 0
+    if low < one < high:
+        roots[found] = one
+        found += 1
+    if low < two < high:
+        roots[found] = two
+        found += 1
+    return found
+
+
+@compiled
+def without(a: Array, n: int, q: float, out: Array) -> None:
+    """Write a/(x - q), its remainder dropped, of degree n - 1; ``out`` may be a itself."""
+    carry = 0.0
+    for k in range(n, 0, -1):
+        carry = a[k] + q * carry
+        out[k] = carry
+    for k in range(n):
+        out[k] = out[k + 1]
+    out[n] = 0.0
+
+
+def work() -> Array:
+    """Return a work array for ``positive_roots``."""
+    return np.zeros((MOST + 3, MOST))

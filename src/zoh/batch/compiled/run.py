@@ -1,0 +1,135 @@
+"""A batch by the compiled arithmetic, on every core that is given.
+
+What it leaves, the single design does, as ``zoh.batch.arrays`` has it.
+"""
+
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+from numba import get_num_threads
+
+from zoh.analysis.realised import realised
+from zoh.batch import single
+from zoh.batch.arrays.rows import Array
+from zoh.batch.arrays.run import Batch, batch, covers
+from zoh.batch.backend import CORES
+from zoh.batch.columns import Columns, Results, empty, length
+from zoh.batch.compiled import kernel, laws, margins, steps
+from zoh.batch.compiled.kernel import GAINS, GIVEN, Work
+from zoh.batch.figures import gain_names
+from zoh.batch.job import Job
+from zoh.batch.reason import Reason
+
+CHUNK = 16384  # loops whose columns are made at once
+_STRETCH = 1024  # loops that a core takes at a time
+_SPARE = {"pid": "ki", "lag": "dc_gain", "lead": "dc_gain"}
+_MARGINS = {
+    "gain_margin": margins.GM, "phase_crossover": margins.PHASE_CROSSOVER,
+    "phase_margin_deg": margins.PM, "crossover": margins.CROSSOVER,
+    "delay_margin": margins.DELAY, "modulus_margin": margins.MODULUS, "ms": margins.MS,
+    "mt": margins.MT, "disk_margin": margins.DISK, "bandwidth": margins.BANDWIDTH,
+}  # fmt: skip
+_STEPS = {
+    "overshoot_pct": steps.OVERSHOOT, "rise_time": steps.RISE, "settling_time": steps.SETTLING,
+    "peak": steps.PEAK, "peak_time": steps.PEAK_TIME, "steady_state_error": steps.ERROR,
+    "peak_effort": steps.EFFORT, "between.overshoot_pct": steps.BETWEEN_OVERSHOOT,
+    "between.peak_time": steps.BETWEEN_TIME,
+}  # fmt: skip
+
+
+def run(job: Job, columns: Columns, threads: int | None = None) -> Results:
+    """Return the columns of ``zoh.batch.figures``, as ``zoh.batch.single`` does.
+
+    threads  how many cores at most; where it is left out, what ``backend.CORES`` says
+
+    >>> from zoh.lti.systems import Plant
+    >>> arm = Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
+    >>> job = Job(plant=arm, law="pi", asked={"pm_deg": 40}, dt=0.1, varying=("wc",))
+    >>> found = run(job, {"wc": np.array([0.8, 3.0, 40.0])})
+    >>> [Reason(code).name for code in found["reason"]]
+    ['OK', 'INFEASIBLE', 'BEYOND_NYQUIST']
+    """
+    n = length(job, columns)
+    out = empty(job, n)
+    cores = threads or CORES.get() or get_num_threads()
+    many = min(cores, -(-n // _STRETCH))
+    with ThreadPoolExecutor(max(many, 1)) as pool:
+        works = [_work(job) for _ in range(max(many, 1))]
+        for start in range(0, n, CHUNK):
+            part = slice(start, min(start + CHUNK, n))
+            here = {key: values[part] for key, values in columns.items()}
+            found, left = _chunk(job, here, part.stop - part.start, pool, works)
+            for name, values in found.items():
+                out[name][part] = values
+            (which,) = np.nonzero(left)
+            if len(which):
+                again = single.run(job, {key: values[which] for key, values in here.items()})
+                for name, values in again.items():
+                    out[name][start + which] = values
+    return out
+
+
+def _work(job: Job) -> Work:
+    """Return the arrays of one core, a given controller written into them."""
+    work = kernel.made()
+    if job.controller is None:
+        return work
+    given, law = job.controller, work.law
+    a, c, direct = realised(given)
+    powers = (2 / given.dt) ** np.arange(float(len(given.den_w)))
+    law.num[: len(powers)] = np.array(given.num_w[::-1]) * powers
+    law.den[: len(powers)] = np.array(given.den_w[::-1]) * powers
+    for i, feedback in enumerate(a):
+        law.moves[0, i], law.residues[i] = -feedback, c[i]
+        law.moves[i, i - 1] += 1.0 if i else 0.0
+    law.enters[0] = 1.0 if a else 0.0
+    law.numbers[0], law.numbers[1] = direct, 1.0
+    return work
+
+
+def _chunk(
+    job: Job, columns: Columns, n: int, pool: ThreadPoolExecutor, works: list[Work]
+) -> tuple[Results, np.ndarray]:
+    wanted = batch(job, columns, n)
+    gains = np.full((n, GAINS), np.nan)
+    margin, step = np.full((n, margins.FIGURES), np.nan), np.full((n, steps.FIGURES), np.nan)
+    reason, left = np.full(n, Reason.MALFORMED, np.int8), ~wanted.regular
+    asked = _asked(job, wanted, n)
+    ends = np.linspace(0, n, len(works) + 1).astype(int)
+
+    def go(place: int) -> None:
+        kernel.stretch(
+            works[place], laws.CODES[job.law], len(wanted.den) - 1, job.reference, wanted.num,
+            wanted.den, wanted.dt, wanted.delay, wanted.lead, *asked, ends[place], ends[place + 1],
+            gains, margin, step, reason, left,
+        )  # fmt: skip
+
+    list(pool.map(go, range(len(works))))
+    return _results(job, gains, margin, step, reason), left
+
+
+def _asked(job: Job, wanted: Batch, n: int) -> tuple[Array, Array, Array, Array]:
+    """Return the columns wc, pm_deg, ki or dc_gain, and the filter's pole (0: 2/dt)."""
+    zero = np.zeros(n)
+    if job.controller is not None:
+        order = len(job.controller.den_w) - 1
+        return np.ones(n), zero, zero, np.full(n, float(order))
+    asked = wanted.asked
+    spare = asked[_SPARE[job.law]] if job.law in _SPARE else zero
+    return asked["wc"], asked["pm_deg"], spare, asked.get("filter_pole", zero)
+
+
+def _results(job: Job, gains: Array, margin: Array, step: Array, reason: np.ndarray) -> Results:
+    out = empty(job, len(reason))
+    has = np.isin(reason, (Reason.OK, Reason.OFF_TARGET))
+    for place, name in enumerate(gain_names(job.law)):
+        out[name][:] = gains[:, place]
+    for places, values in ((_MARGINS, margin), (_STEPS, step)):
+        for name, place in places.items():
+            if name in out:
+                out[name][has] = values[has, place]
+    out["stable"][:], out["reason"][:] = has, reason
+    return out
+
+
+__all__ = ["CHUNK", "GIVEN", "covers", "run"]

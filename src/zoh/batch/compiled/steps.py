@@ -1,0 +1,192 @@
+"""The metrics of one step response; see ``zoh.batch.arrays.steps``, its arithmetic.
+
+What a long stride meets is closed in on at once, from the sample before.
+"""
+
+from math import ceil, inf, log, nan
+
+from zoh.batch.arrays.rows import Array
+from zoh.batch.compiled.between import Pieces, crest
+from zoh.batch.compiled.jit import compiled
+from zoh.batch.compiled.motion import Motion
+from zoh.batch.compiled.plant import Plant
+from zoh.batch.compiled.samples import every_sample
+from zoh.batch.compiled.strides import long_stride
+from zoh.batch.compiled.track import (
+    AT_CREST,
+    BAND,
+    BLOCK,
+    CREST,
+    FOUND,
+    HIGHEST,
+    K_10,
+    K_90,
+    K_CREST,
+    K_OUT,
+    K_TOP,
+    KEPT,
+    LEAST_U,
+    LEVELS,
+    MOST_U,
+    NEXT,
+    OTHER,
+    PIECE,
+    THERE,
+    TOP,
+    WHEN,
+    WIDE,
+    Z,
+    along,
+    start,
+    twice,
+)
+
+_LOST = 2e-9
+_TURN = 0.25
+_NEAR = 0.9
+_QUIET = log(1e8)
+_NOTHING = 1e-10
+_MOST = 4096
+
+# places of the figures
+(
+    OVERSHOOT, RISE, SETTLING, PEAK, PEAK_TIME, ERROR, EFFORT, BETWEEN_OVERSHOOT, BETWEEN_TIME,
+) = range(9)  # fmt: skip
+FIGURES = 9
+
+
+@compiled
+def step_metrics(
+    m: Motion, p: Plant, pieces: Pieces, count: int, n: int, order: int, size: int, slowest: float,
+    dt: float, reference: float, ladder: Array, zs: Array, seen: Array, out: Array,
+) -> bool:  # fmt: skip
+    """Write the metrics; return whether the loop had better be measured by itself."""
+    final, at_rest = m.numbers[0], m.numbers[1]
+    sign = -1.0 if final < 0.0 else 1.0
+    full = abs(final)
+    if not 0.0 < full < inf:
+        return True
+    start(seen)
+    zs[:KEPT] = 0.0
+    zs[Z, size - 1] = 1.0
+    for j in range(size):
+        for i in range(WIDE):
+            ladder[0, j, i] = m.delta[i, j] if i < size else 0.0
+    slowest = max(slowest, 1e-14)
+    end = max(8.0, ceil(_QUIET / slowest) + 4.0 * size)
+    k, level, done, lost = 0.0, 0, False, True
+    while level < LEVELS:
+        twice(ladder[level], size, ladder[level + 1])
+        for _ in range(_MOST // BLOCK):
+            if level == 0:
+                every_sample(
+                    m, pieces, count, n, ladder[0], zs[KEPT:], zs, seen, sign, full, k, size
+                )
+            else:
+                lost_crest = long_stride(
+                    m, p, pieces, count, n, ladder, level, zs, seen, sign, full, k, size
+                )
+                if lost_crest:
+                    return True
+            k += BLOCK * 2.0**level
+            done, turning = look(m, zs, seen, sign, full, at_rest, order, size)
+            if done or k > end:
+                lost = False
+                break
+            if turning * 2.0 * 2.0**level <= _TURN:
+                lost = False
+                break
+        if lost or done or k > end:
+            break
+        level, lost = level + 1, True
+    if lost:
+        return True
+    unknown = closing(p, pieces, count, n, zs, seen, sign, size)
+    figures(seen, full, final, at_rest, sign, dt, reference, out)
+    return unknown
+
+
+@compiled
+def look(
+    m: Motion, zs: Array, seen: Array, sign: float, full: float, at_rest: float, order: int,
+    size: int,
+) -> tuple[bool, float]:  # fmt: skip
+    """Return (whether nothing new can be seen, how fast what is left still turns)."""
+    a, b = zs[FOUND], zs[THERE]
+    for j in range(size):
+        a[j] = zs[Z, j]
+    dy, du = zs[NEXT], zs[OTHER]
+    for i in range(order):
+        dy[i] = sign * along(m.output, a, size) - (0.0 if i else full)
+        du[i] = along(m.effort, a, size) - (0.0 if i else at_rest)
+        if i + 1 < order:
+            for r in range(size - 1):
+                total = 0.0
+                for j in range(size):
+                    total += m.delta[r, j] * a[j]
+                b[r] = total
+            b[size - 1] = 0.0
+            for j in range(size):
+                a[j] = b[j]
+    reach = _LOST * max(abs(seen[MOST_U]), abs(seen[LEAST_U]))
+    of_y = of_u = slow_y = slow_u = fast_y = fast_u = turning = 0.0
+    for i in range(order):
+        yr = yi = ur = ui = 0.0
+        for k in range(order):
+            yr += m.wr[i, k] * dy[k]
+            yi += m.wi[i, k] * dy[k]
+            ur += m.wr[i, k] * du[k]
+            ui += m.wi[i, k] * du[k]
+        size_y, size_u = (yr * yr + yi * yi) ** 0.5, (ur * ur + ui * ui) ** 0.5
+        of_y, of_u = of_y + size_y, of_u + size_u
+        if m.creeping[i] > 0.0:
+            slow_y, slow_u = slow_y + yr, slow_u + ur
+        else:
+            fast_y, fast_u = fast_y + size_y, fast_u + size_u
+        if not (size_y <= _LOST * full and size_u <= reach):
+            turning = max(turning, m.turn[i])
+    still = of_y < _NEAR * BAND * full
+    higher = 0.0 if fast_y <= -slow_y else fast_y + max(slow_y, 0.0)
+    still = still and (higher <= seen[TOP] - full or of_y <= _LOST * full)
+    higher = 0.0 if fast_u <= -slow_u else fast_u + max(slow_u, 0.0)
+    lower = 0.0 if fast_u <= slow_u else fast_u + max(-slow_u, 0.0)
+    fits = at_rest + higher <= seen[MOST_U] and at_rest - lower >= seen[LEAST_U]
+    return still and (of_u <= reach or fits), turning
+
+
+@compiled
+def closing(
+    p: Plant, pieces: Pieces, count: int, n: int, zs: Array, seen: Array, sign: float, size: int
+) -> bool:
+    """Close the account between samples; return whether a crest is not known."""
+    unknown = False
+    if seen[PIECE] >= 0.0:
+        piece = int(seen[PIECE])
+        if seen[PIECE] == piece:
+            height, after, known = crest(p, pieces, piece, n, zs[AT_CREST], sign, size)
+            unknown = not known
+        else:
+            height, after = seen[CREST], pieces.ends[piece + 1]
+        if height > seen[HIGHEST]:
+            seen[HIGHEST], seen[WHEN] = height, seen[K_CREST] + after
+    if seen[TOP] >= seen[HIGHEST]:
+        seen[HIGHEST], seen[WHEN] = seen[TOP], seen[K_TOP]
+    return unknown
+
+
+@compiled
+def figures(
+    seen: Array, full: float, final: float, at_rest: float, sign: float, dt: float,
+    reference: float, out: Array,
+) -> None:  # fmt: skip
+    """Write the metrics."""
+    over, beyond = seen[TOP] / full - 1.0, seen[HIGHEST] / full - 1.0
+    out[OVERSHOOT] = 100.0 * over if over > _NOTHING else 0.0
+    out[RISE] = (seen[K_90] - seen[K_10]) * dt
+    out[SETTLING] = (seen[K_OUT] + 1.0) * dt
+    out[PEAK] = max(seen[TOP], full) * abs(reference)
+    out[PEAK_TIME] = seen[K_TOP] * dt if over > _NOTHING else nan
+    out[ERROR] = (1.0 - final) * reference
+    out[EFFORT] = max(max(seen[MOST_U], at_rest), -min(seen[LEAST_U], at_rest)) * abs(reference)
+    out[BETWEEN_OVERSHOOT] = 100.0 * beyond if beyond > _NOTHING else 0.0
+    out[BETWEEN_TIME] = seen[WHEN] * dt if beyond > _NOTHING else nan

@@ -1,0 +1,195 @@
+"""The questions that are asked of a sweep, answered as a loop over single designs would."""
+
+import numpy as np
+import pytest
+
+import zoh
+from zoh.analysis.asked import missed
+from zoh.batch import bounds
+from zoh.batch.figures import BY_NAME, FIGURES
+from zoh.batch.result import _undominated
+from zoh.batch.summary import Extremes, Summary
+
+ARM = zoh.Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
+WC, PM = np.linspace(0.2, 4.0, 9), [40.0, 60.0]
+
+
+@pytest.fixture(scope="module")
+def swept():
+    return zoh.sweep(ARM, "pd", dt=0.1, over={"wc": WC, "pm_deg": PM})
+
+
+def test_a_sweep_has_a_loop_for_each_combination(swept):
+    assert len(swept) == 18
+    assert swept["wc"].tolist() == np.repeat(WC, 2).tolist()
+    assert swept["pm_deg"].tolist() == PM * 9
+    ok = swept["reason"] == zoh.Reason.OK
+    assert swept["phase_margin_deg"][ok] == pytest.approx(swept["pm_deg"][ok], abs=1e-9)
+    with pytest.raises(zoh.SpecError, match="must be a column"):
+        _ = swept["pm"]
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        {"pm_deg": 50},
+        {"gain_margin_db": 20},
+        {"delay_margin": 0.5},
+        {"ms": 1.6},
+        {"mt": 1.3},
+        {"overshoot_pct": 20},
+        {"rise_time": 0.7},
+        {"settling_time": 3.0},
+        {"steady_state_error": 0.1},
+        {"peak_effort": 20},
+        {"ms": 1.6, "peak_effort": 20},
+    ],
+)
+def test_the_yield_is_the_share_of_single_designs_that_meet_the_requirements(swept, asked):
+    requirements, good = zoh.Requirements(**asked), []
+    for wc, pm in zip(swept["wc"], swept["pm_deg"], strict=True):
+        try:
+            d = zoh.pd(ARM, dt=0.1, wc=wc, pm_deg=pm)
+        except zoh.Infeasible:
+            good.append(False)
+        else:
+            good.append(not missed(requirements, d.margins, d.step))
+    assert 0 < sum(good) < len(good)
+    assert swept.yield_(requirements) == sum(good) / len(good)
+    assert bounds.met(requirements, swept.results).tolist() == good
+
+
+def test_a_requirement_that_no_sweep_measures_is_refused(swept):
+    with pytest.raises(zoh.SpecError, match="noise_gain must be left out"):
+        swept.yield_(zoh.Requirements(noise_gain=1.0))
+
+
+def test_the_worst_is_named_with_its_loop(swept):
+    worst = swept.worst("ms")
+    i = int(np.nanargmax(swept["ms"]))
+    assert (worst.loop, worst.value) == (i, swept["ms"][i])
+    assert worst.at == {"wc": swept["wc"][i], "pm_deg": swept["pm_deg"][i]}
+    assert worst.without == np.count_nonzero(swept["reason"] != 0)
+    assert swept.worst("phase_margin_deg").value == np.nanmin(swept["phase_margin_deg"])
+    with pytest.raises(zoh.SpecError, match="better end"):
+        swept.worst("peak_time")
+    none = zoh.sweep(ARM, "pi", {"pm_deg": 40}, dt=0.1, over={"wc": [5.0]}).worst("ms")
+    assert (none.value, none.loop, none.without) == (None, None, 1)
+
+
+def test_a_pareto_front_is_what_nothing_beats(swept):
+    front = swept.pareto("crossover", "ms", "peak_effort")
+    costs = np.column_stack([-swept["crossover"], swept["ms"], swept["peak_effort"]])
+    ok = np.flatnonzero(swept["reason"] == 0)
+    kept = [
+        i
+        for i in ok
+        if not any((costs[j] <= costs[i]).all() and (costs[j] < costs[i]).any() for j in ok)
+    ]
+    assert sorted(zip(front["wc"], front["pm_deg"], strict=True)) == sorted(
+        zip(swept["wc"][kept], swept["pm_deg"][kept], strict=True)
+    )
+    assert (np.diff(front["crossover"]) <= 0).all()
+    with pytest.raises(zoh.SpecError, match="names must be figures"):
+        swept.pareto("peak")
+
+
+def test_undominated_rows_by_hand():
+    costs = np.array([[3, 1.0], [1, 3], [2, 2], [3, 3], [2, 3], [1, 4]])
+    assert _undominated(costs).tolist() == [1, 2, 0]
+
+
+def test_summaries_merge_in_any_order_to_the_same(swept):
+    results, asked = swept.results, zoh.Requirements(ms=1.6)
+    whole = Summary.of(results, asked)
+    cuts = [(0, 5), (5, 6), (6, 18)]
+    parts = [Summary.of({k: v[a:b] for k, v in results.items()}, asked, a) for a, b in cuts]
+    for order in ((0, 1, 2), (2, 0, 1), (1, 2, 0)):
+        found = Summary.nothing()
+        for i in order:
+            found = found.merged(parts[i])
+        assert found == whole
+    assert (whole.loops, whole.share) == (18, swept.yield_(asked))
+    again = Summary.unpacked(whole.packed())
+    assert again == whole
+    i = [figure.name for figure in FIGURES].index("ms")
+    assert whole.extremes[i].most_at == swept.worst("ms").loop
+
+
+def test_of_equal_extremes_the_first_loop_is_named():
+    early, late = (
+        Extremes(least=1.0, least_at=2, most=5.0, most_at=9),
+        Extremes(least=1.0, least_at=7, most=5.0, most_at=8),
+    )
+    merged = Extremes(least=1.0, least_at=2, most=5.0, most_at=8)
+    assert early.merged(late) == late.merged(early) == merged
+    assert Extremes().merged(early) == early.merged(Extremes()) == early
+
+
+def test_a_summary_in_json_counts_each_reason(swept):
+    said = swept.summary.to_dict()
+    assert said["loops"] == 18
+    assert sum(said["reasons"].values()) == 18
+    assert said["reasons"]["ok"] == said["met"] == np.count_nonzero(swept["reason"] == 0)
+    assert set(said["extremes"]) == set(BY_NAME)
+    low, high = said["yield_interval_95"]
+    assert 0 < low < said["yield"] < high < 1
+
+
+def test_the_dataset_of_a_grid_has_its_axes_and_units(swept, tmp_path):
+    xarray = pytest.importorskip("xarray")
+    found = swept.dataset
+    assert found["ms"].dims == ("wc", "pm_deg")
+    i, j = 3, 1
+    assert found["ms"].values[i, j] == swept["ms"][2 * i + j]
+    assert found["crossover"].attrs == {"long_name": "crossover frequency", "units": "rad/s"}
+    assert found["wc"].attrs["units"] == "rad/s"
+    assert found["reason"].attrs["flag_meanings"].split()[1] == "infeasible"
+    swept.to_netcdf(str(tmp_path / "a.nc"))
+    swept.to_zarr(str(tmp_path / "a.zarr"))
+    for opened in (
+        xarray.open_dataset(tmp_path / "a.nc", engine="h5netcdf"),
+        xarray.open_zarr(tmp_path / "a.zarr", consolidated=False),
+    ):
+        with opened:
+            xarray.testing.assert_identical(opened.load().drop_attrs(), found.drop_attrs())
+    for write in (swept.to_netcdf, swept.to_zarr):
+        with pytest.raises(zoh.SpecError, match="must not be there already"):
+            write(str(tmp_path / ("a.nc" if write == swept.to_netcdf else "a.zarr")))
+
+
+def test_a_sample_has_one_axis():
+    pytest.importorskip("xarray")
+    spreads = {"plant.gain": zoh.Normal(mean=2.3, sd=0.1)}
+    found = zoh.sweep(
+        ARM, "pd", {"wc": 2.0, "pm_deg": 50}, dt=0.1, over=zoh.Random(spreads=spreads, count=5)
+    )
+    assert found.dataset["ms"].dims == ("loop",)
+    assert found.dataset["plant.gain"].dims == ("loop",)
+
+
+def test_a_controller_that_is_given_stays_as_it_is_at_another_sample_time():
+    d = zoh.pd(ARM, dt=0.1, wc=2.0, pm_deg=60)
+    found = zoh.sweep(ARM, "given", controller=d.controller, over={"dt": [0.1, 0.05]})
+    again = zoh.Sampled(num=d.controller.num, den=d.controller.den, dt=0.05)
+    assert found["ms"].tolist() == [d.margins.ms, zoh.verify(ARM, again).margins.ms]
+
+
+@pytest.mark.parametrize(
+    ("changes", "argument"),
+    [
+        ({"over": {"wx": [1.0]}}, "over"),
+        ({"over": [1.0]}, "over"),
+        ({"dt": None}, "dt"),
+        ({"arithmetic": "abacus"}, "arithmetic"),
+        ({"over": zoh.Random(spreads={"wc": zoh.Uniform(low=1, high=2)}, count=10**9)}, "over"),
+        ({"requirements": zoh.Requirements(bandwidth=1.0)}, "requirements.bandwidth"),
+        ({"plant": 1.0}, "plant"),
+    ],
+)
+def test_a_malformed_sweep_is_refused_in_one_line(changes, argument):
+    asked = {"plant": ARM, "law": "pi", "given": {"pm_deg": 40}, "dt": 0.1, "over": {"wc": [0.5]}}
+    with pytest.raises(zoh.SpecError) as refused:
+        zoh.sweep(**{**asked, **changes})
+    assert refused.value.argument == argument
+    assert "\n" not in str(refused.value)
