@@ -59,7 +59,7 @@ SINGLE = Way(name="single", module="zoh.batch.single", chunk=64, block=256)
 ARRAYS = Way(name="arrays", module="zoh.batch.arrays.run", least=16, chunk=4096, block=65536)
 COMPILED = Way(
     name="compiled", module="zoh.batch.compiled.run", needs="numba", least=20_000, chunk=65536,
-    block=262144, starts="the first use ever compiles for a minute or two, later ones start at once",
+    block=262144, starts="the first use compiles for a minute or two, later ones start at once",
 )  # fmt: skip
 WAYS: tuple[Way, ...] = (COMPILED, ARRAYS, SINGLE)
 """Every way, the fastest for very many loops first; the last one covers every job."""
