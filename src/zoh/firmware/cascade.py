@@ -1,0 +1,307 @@
+"""Second-order sections in series, in powers of z^-1 or in sums (delta), written once for all.
+
+A section with input x and output y is the transposed direct form::
+
+    y = b0 x + s1        s1 <- b1 x - a1 y + s2        s2 <- b2 x - a2 y             cascade
+    y = b0 x + s1        s1 <- s1 + (b1 x - a1 y + s2)  s2 <- s2 + (b2 x - a2 y)      delta
+
+What the last section is told is its *limited* output: at a limit its states follow what the
+actuator got, which is anti-windup by a deadbeat observer, without a parameter. In whole numbers a
+section's sum has a binary point of its own; what its output leaves of the sum goes back into s1,
+so that the error has no mean, and no dead band is left where there is an integrator.
+Source: A. V. Oppenheim, R. W. Schafer, Discrete-Time Signal Processing, ch. 6 (transposed form,
+error feedback); K. J. Astrom and B. Wittenmark, Computer-Controlled Systems, 3rd ed., sec. 9.4
+(anti-windup by an observer); R. H. Middleton and G. C. Goodwin, Digital Control and Estimation.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from math import ceil
+
+from zoh.firmware.book import Book, Features, Format, bounded, limited
+from zoh.firmware.lines import ZERO, Program, Routine, State, Writer
+from zoh.firmware.pid import finished
+from zoh.firmware.realise import Exact, Section, together
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CascadeStep:
+    """Sections in series with their features in one format; ``delta`` says in which form.
+
+    points  the binary point of each section's sum, "section1" and so on
+    """
+
+    sections: tuple[Section, ...]
+    features: Features
+    format: Format
+    delta: bool
+    points: Mapping[str, int]
+
+    def program(self) -> Program:
+        """Return step, track and reset."""
+        book = Book(format=self.format)
+        for i in range(len(self.sections)):
+            self._write_section(book, i)
+        step, track, reset = self._step(book), self._track(book), self._reset(book)
+        return Program(
+            number=self.format.number, states=self._states(),
+            coefficients=tuple(book.coefficients.values()), step=step, track=track, reset=reset,
+        )  # fmt: skip
+
+    def realised(self, program: Program) -> tuple[Exact, Exact]:
+        """Return num and den in d of what the program's coefficients make, in physical units."""
+        held = {c.name: Fraction(c.value) / (1 << c.point) for c in program.coefficients}
+        made = []
+        for i, section in enumerate(self.sections, 1):
+            b, a = self._taken(i - 1)
+            b0, b1, b2 = (_kept(held, f"b{k}_{i}", c) for k, c in enumerate(b))
+            a1, a2 = (-_kept(held, f"m{k}_{i}", -c) for k, c in enumerate(a, 1))
+            if self.delta:
+                made.append(Section(b=(b0, b1, b2), a=(a1, a2), order=section.order))
+            else:
+                made.append(Section.from_z((b0, b1, b2), (a1, a2), section.order))
+        num, den = together(tuple(made))
+        return tuple(c / self.format.gain for c in num), den
+
+    def _taken(self, i: int) -> tuple[Exact, Exact]:
+        """Return (b, a) of section i in its form; the last one counts in steps of u per step."""
+        section = self.sections[i]
+        b, a = (section.b, section.a) if self.delta else section.in_z
+        gain = self.format.gain if i == len(self.sections) - 1 else Fraction(1)
+        return tuple(c * gain for c in b), a
+
+    def _write_section(self, book: Book, i: int) -> None:
+        """Write the constants of a section; an integrator stays one when they are rounded."""
+        b, a = self._taken(i)
+        point = self.points[f"section{i + 1}"]
+        for k, c in enumerate(b):
+            if _written(c, self.format.whole):
+                book.gain(f"b{k}_{i + 1}", c, f"section {i + 1}: b{k}", point)
+        a1, a2 = a
+        if not self.delta and 1 + a1 + a2 == 0:
+            a2 = self._rounded(book, a2, point)
+            a1 = -1 - a2
+        for k, c in enumerate((a1, a2), 1):
+            if _written(c, self.format.whole):
+                book.gain(f"m{k}_{i + 1}", -c, f"section {i + 1}: -a{k}", point)
+
+    def _rounded(self, book: Book, value: Fraction, point: int) -> Fraction:
+        """Return a2 of an integrating section so that -1 - a2 is held exactly too."""
+        if self.format.whole:
+            return Fraction(round(value * (1 << point)), 1 << point)
+        bits = 23 if self.format.number == "f32" else 52  # 1 + a2 is below 2
+        return Fraction(round(value * (1 << bits)), 1 << bits)
+
+    def _states(self) -> tuple[State, ...]:
+        states = []
+        for i, section in enumerate(self.sections, 1):
+            for k in range(1, section.order + 1):
+                if k == 1 or self._second(i - 1):
+                    says = f"section {i}: sum {k}"
+                    states.append(State(name=f"s{k}_{i}", says=says, group=f"section{i}"))
+        if not self.format.whole or self.features.change is not None:
+            states.append(State(name="u", says="the last output"))
+        return tuple(states)
+
+    def _second(self, i: int) -> bool:
+        """Return whether section i has a second state."""
+        b, a = self._taken(i)
+        return self.sections[i].order == 2 and bool(b[2] or a[1])
+
+    def _step(self, book: Book) -> Routine:
+        w, stores = Writer(), []
+        x, v, u = w.sub("e", "r", "y", "error"), "", ""
+        last = len(self.sections) - 1
+        for i in range(len(self.sections)):
+            total, y = self._output(w, book, i, x)
+            if i == last:
+                v = w.add("v", y, "ff", "with the feed-forward")
+                u = limited(w, book, self.features, v)
+                y = self._told(w, book, y, v, u)
+            elif self.format.whole:
+                y = self._inside(w, book, f"y_{i + 1}", y)
+            stores += self._next(w, book, i, x, y, total)
+            x = y
+        return finished("step", ("r", "y", "ff"), w, stores, v, u, self)
+
+    def _output(self, w: Writer, book: Book, i: int, x: str) -> tuple[str, str]:
+        """Write a section's sum and its output."""
+        name, point = f"section{i + 1}", self.points[f"section{i + 1}"]
+        total = f"s1_{i + 1}"
+        if (part := self._times(w, book, f"b0_{i + 1}", f"x0_{i + 1}", x, i)) is not None:
+            total = w.add(f"sum_{i + 1}", part, total, f"section {i + 1}", name)
+        return total, w.down(f"out_{i + 1}", total, point, f"output of section {i + 1}")
+
+    def _times(
+        self, w: Writer, book: Book, constant: str, name: str, x: str, i: int
+    ) -> str | None:
+        """Write constant x; x itself where it is a 1 that was not written, None where it is 0."""
+        if constant in book.coefficients:
+            return w.mul(name, constant, x, "", f"section{i + 1}")
+        b, a = self._taken(i)
+        value = {"b": b, "m": (Fraction(0), *(-c for c in a))}[constant[0]][int(constant[1])]
+        return x if value == 1 else None
+
+    def _told(self, w: Writer, book: Book, y: str, v: str, u: str) -> str:
+        """Write what the last section is told of its output."""
+        if self.features.anti_windup == "none" or not self.features.limited:
+            return self._inside(w, book, "y_told", y) if self.format.whole else y
+        if self.format.whole:
+            return w.sub("told", u, "ff", "what the actuator got of it")
+        over = w.sub("lost", u, v, "minus what a limit took away")
+        return w.add("told", y, over, "what the actuator got of it")
+
+    def _inside(self, w: Writer, book: Book, name: str, y: str) -> str:
+        """Write a section's output within its format."""
+        high = book.fixed("most", self.format.most, "largest number of the format")
+        low = book.fixed("least", self.format.least, "least number of the format")
+        return w.atleast(name, w.atmost(f"{name}_top", y, high), low, "within the format")
+
+    def _next(
+        self, w: Writer, book: Book, i: int, x: str, y: str, total: str | None
+    ) -> list[tuple[str, str]]:
+        """Write a section's next states; return (state, name) of each."""
+        n, group, stores = i + 1, f"section{i + 1}", []
+        for k in (2, 1):
+            state = f"s{k}_{n}"
+            if k == 2 and not self._second(i):
+                continue
+            parts = [
+                self._times(w, book, f"b{k}_{n}", f"x{k}_{n}", x, i),
+                self._times(w, book, f"m{k}_{n}", f"y{k}_{n}", y, i),
+                f"s2_{n}" if k == 1 and self._second(i) else None,
+                self._left(w, n, total) if k == 1 and self.format.whole and total else None,
+                state if self.delta else None,
+            ]
+            made = self._sum(w, f"{state}_new", parts, group)
+            stores.append((state, self._kept_in(w, book, i, k, made)))
+        return stores[::-1]
+
+    def _kept_in(self, w: Writer, book: Book, i: int, k: int, value: str) -> str:
+        """Write a sum of the delta form within the range that it has at rest, and half as much.
+
+        A sum adds for ever, so that only a limit keeps it in its word; one in powers of z^-1
+        forgets, and is kept by what it adds.
+        """
+        if not (self.delta and self.format.whole):
+            return value
+        b, a = self._taken(i)
+        c, d = (b[0], Fraction(1)) if k == 1 else (b[1], a[0])
+        size = abs(c) * (2 * -self.format.least) + abs(d) * -self.format.least
+        point = self.points[f"section{i + 1}"]
+        high = ceil(size * 3 / 2 * (1 << point))
+        most = book.fixed(f"s{k}_{i + 1}_max", high, f"upper end of sum {k}", point)
+        least = book.fixed(f"s{k}_{i + 1}_min", -high, f"lower end of sum {k}", point)
+        name, group = f"s{k}_{i + 1}", f"section{i + 1}"
+        top = w.atmost(f"{name}_top", value, most, "", group)
+        return w.atleast(f"{name}_in", top, least, "the sum in its range", group)
+
+    def _left(self, w: Writer, n: int, total: str) -> str | None:
+        """Write what the output leaves of a section's sum."""
+        point = self.points[f"section{n}"]
+        if self.delta or not point:  # in the delta form the sum itself is the state that is kept
+            return None
+        return w.low(f"left_{n}", total, point, "what rounding took, given back")
+
+    def _sum(self, w: Writer, name: str, parts: list[str | None], group: str) -> str:
+        there = [p for p in parts if p is not None]
+        total = there[0] if there else ZERO
+        for j, part in enumerate(there[1:], 1):
+            here = name if j == len(there) - 1 else f"{name}_{j}"
+            total = w.add(here, total, part, "", group)
+        return total
+
+    def _track(self, book: Book) -> Routine:
+        """Write the states with which the same r and y, without ff, would give u_manual next."""
+        w, stores = Writer(), []
+        u = bounded(w, book, self.features, "u_manual")
+        x = w.sub("e", "r", "y", "error")
+        for i in range(len(self.sections) - 1):
+            y = self._settled(w, book, i, x)
+            stores += self._held(w, book, i, x, y)
+            x = y
+        stores += self._held(w, book, len(self.sections) - 1, x, u)
+        return finished("track", ("r", "y", "u_manual"), w, stores, u, u, self, returns=False)
+
+    def _settled(self, w: Writer, book: Book, i: int, x: str) -> str:
+        """Write a section's output at rest under x."""
+        b, a = self._taken(i)
+        rest = (sum(b) / (1 + sum(a))) if not self.delta else _rest_of_delta(b, a)
+        point = self.points[f"section{i + 1}"]
+        name = book.gain(f"rest_{i + 1}", rest, f"section {i + 1}: gain at rest", point)
+        y = w.mul(f"rest_of_{i + 1}", name, x, "", f"section{i + 1}")
+        y = w.down(f"at_rest_{i + 1}", y, point, f"output of section {i + 1} at rest")
+        return self._inside(w, book, f"y_{i + 1}", y) if self.format.whole else y
+
+    def _held(self, w: Writer, book: Book, i: int, x: str, y: str) -> list[tuple[str, str]]:
+        """Write the states with which x gives y: s1 = y - b0 x, s2 as the step writes it."""
+        n, group, point = i + 1, f"section{i + 1}", self.points[f"section{i + 1}"]
+        at_point = y
+        if point:
+            one = book.fixed(f"one_{n}", 1 << point, "1", point)
+            at_point = w.mul(f"y_at_point_{n}", one, y, "at its binary point", group)
+        first = at_point
+        if (part := self._times(w, book, f"b0_{n}", f"x0_{n}", x, i)) is not None:
+            first = w.sub(f"s1_{n}_new", at_point, part, "", group)
+        stores = [(f"s1_{n}", first)]
+        if self._second(i):
+            stores.append((f"s2_{n}", self._second_held(w, book, i, x, y)))
+        return stores
+
+    def _second_held(self, w: Writer, book: Book, i: int, x: str, y: str) -> str:
+        """Write s2: b2 x - a2 y, or what keeps s1 at rest in the delta form, a1 y - b1 x."""
+        n, group, k = i + 1, f"section{i + 1}", 1 if self.delta else 2
+        on_x = self._times(w, book, f"b{k}_{n}", f"x{k}_{n}", x, i)
+        on_y = self._times(w, book, f"m{k}_{n}", f"y{k}_{n}", y, i)
+        total = self._sum(w, f"s2_{n}_new", [on_x, on_y], group)
+        if not self.delta or total == ZERO:
+            return total
+        return w.neg(f"s2_{n}_held", total, "holds the other sum", group)
+
+    def _reset(self, book: Book) -> Routine:
+        """Write the states at rest with output u0 and no error."""
+        w, stores = Writer(), []
+        u = bounded(w, book, self.features, "u0")
+        for i in range(len(self.sections)):
+            names = [f"s{k}_{i + 1}" for k in (1, 2) if k == 1 or self._second(i)]
+            stores += [(name, ZERO) for name in names]
+        last = len(self.sections)
+        point = self.points[f"section{last}"]
+        s1 = u
+        if point:
+            one = book.fixed(f"one_{last}", 1 << point, "1", point)
+            s1 = w.mul(f"y_at_point_{last}", one, u, "at its binary point", f"section{last}")
+        made = {f"s1_{last}": s1}
+        if self._second(last - 1):
+            made[f"s2_{last}"] = self._second_alone(w, book, last - 1, u)
+        stores = [(name, made.get(name, value)) for name, value in stores]
+        return finished("reset", ("u0",), w, stores, u, u, self, returns=False)
+
+    def _second_alone(self, w: Writer, book: Book, i: int, u: str) -> str:
+        n, group, k = i + 1, f"section{i + 1}", 1 if self.delta else 2
+        on_y = self._times(w, book, f"m{k}_{n}", f"y{k}_{n}", u, i)
+        if on_y is None or not self.delta:
+            return on_y or ZERO
+        return w.neg(f"s2_{n}_held", on_y, "holds the other sum", group)
+
+    def moved(self, group: str) -> "CascadeStep | None":
+        """Return the same with one binary point a bit lower; None where there is no bit left."""
+        points = dict(self.points)
+        points[group] -= 1
+        return replace(self, points=points) if points[group] >= 0 else None
+
+
+def _written(value: Fraction, whole: bool) -> bool:
+    """Return whether a coefficient is written: 0 never, 1 only at a binary point."""
+    return value != 0 and (whole or value != 1)
+
+
+def _kept(held: Mapping[str, Fraction], name: str, value: Fraction) -> Fraction:
+    """Return the constant of this name; what needed none is 0 or 1."""
+    return held.get(name, value)
+
+
+def _rest_of_delta(b: Exact, a: Exact) -> Fraction:
+    """Return the gain at d = 0; of a first order the second coefficients are 0."""
+    return b[2] / a[1] if a[1] else b[1] / a[0]
