@@ -99,10 +99,21 @@ class CascadeStep:
             for k in range(1, section.order + 1):
                 if k == 1 or self._second(i - 1):
                     says = f"section {i}: sum {k}"
-                    states.append(State(name=f"s{k}_{i}", says=says, group=f"section{i}"))
-        if not self.format.whole or self.features.change is not None:
+                    ends = self._most(i - 1, k) if self.delta and self.format.whole else None
+                    states.append(
+                        State(
+                            name=f"s{k}_{i}", says=says, group=f"section{i}",
+                            least=None if ends is None else -ends, most=ends,
+                        )
+                    )  # fmt: skip
+        if self.keeps_u:
             states.append(State(name="u", says="the last output"))
         return tuple(states)
+
+    @property
+    def keeps_u(self) -> bool:
+        """Return whether the output is a state: a rate or a fault asks for it."""
+        return not self.format.whole or self.features.change is not None
 
     def _second(self, i: int) -> bool:
         """Return whether section i has a second state."""
@@ -186,16 +197,19 @@ class CascadeStep:
         """
         if not (self.delta and self.format.whole):
             return value
-        b, a = self._taken(i)
-        c, d = (b[0], Fraction(1)) if k == 1 else (b[1], a[0])
-        size = abs(c) * (2 * -self.format.least) + abs(d) * -self.format.least
-        point = self.points[f"section{i + 1}"]
-        high = ceil(size * 3 / 2 * (1 << point))
+        high, point = self._most(i, k), self.points[f"section{i + 1}"]
         most = book.fixed(f"s{k}_{i + 1}_max", high, f"upper end of sum {k}", point)
         least = book.fixed(f"s{k}_{i + 1}_min", -high, f"lower end of sum {k}", point)
         name, group = f"s{k}_{i + 1}", f"section{i + 1}"
         top = w.atmost(f"{name}_top", value, most, "", group)
         return w.atleast(f"{name}_in", top, least, "the sum in its range", group)
+
+    def _most(self, i: int, k: int) -> int:
+        """Return the end of sum k: one and a half times what it can be at rest."""
+        b, a = self._taken(i)
+        on_x, on_y = (b[0], Fraction(1)) if k == 1 else (b[1], a[0])
+        size = (2 * abs(on_x) + abs(on_y)) * -self.format.least
+        return ceil(size * 3 / 2 * (1 << self.points[f"section{i + 1}"]))
 
     def _left(self, w: Writer, n: int, total: str) -> str | None:
         """Write what the output leaves of a section's sum."""

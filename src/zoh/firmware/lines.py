@@ -10,6 +10,7 @@ Names stand for inputs, states, coefficients and earlier lines alike.
     unless            b, but 0 where a and b push the same way (a b > 0)
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -163,3 +164,19 @@ class Writer:
     def unless(self, name: str, a: str, b: str, says: str = "", group: str = "") -> str:
         """Return b, or 0 where a and b have the same sign."""
         return self._put(name, "unless", (a, b), says, group)
+
+
+def used(lines: list[Line], wanted: Iterable[str | None]) -> tuple[Line, ...]:
+    """Return the lines that what is wanted depends on, in their order.
+
+    >>> w = Writer()
+    >>> [line.name for line in used(w.lines, [w.sub("e", "r", "y"), w.neg("p", "y")][1:])]
+    ['p']
+    """
+    needed = set(wanted)
+    kept = []
+    for line in reversed(lines):
+        if line.name in needed:
+            kept.append(line)
+            needed |= set(line.args)
+    return tuple(kept[::-1])

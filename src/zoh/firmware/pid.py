@@ -17,13 +17,23 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ceil
+from typing import Protocol
 
 from zoh.firmware.book import Book, Features, Format, bounded, limited
-from zoh.firmware.lines import ZERO, Program, Routine, State, Writer
+from zoh.firmware.lines import ZERO, Program, Routine, State, Writer, used
 from zoh.firmware.realise import Exact, Parallel
 
 GROUPS = ("u", "integral", "filter")
 Points = Mapping[str, int]
+
+
+class Keeps(Protocol):
+    """A step that knows its format and whether the output is a state."""
+
+    @property
+    def format(self) -> Format: ...  # noqa: D102
+    @property
+    def keeps_u(self) -> bool: ...  # noqa: D102
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,14 +92,23 @@ class PidStep:
     def _states(self) -> tuple[State, ...]:
         states = []
         if self.law.ki:
-            states.append(State(name="x", says="the integral", group="integral"))
+            low, high = self._x_ends() if self._whole else (None, None)
+            states.append(
+                State(name="x", says="the integral", least=low, most=high, group="integral")
+            )
         if self.law.kd:
             says = "the filtered measurement" if self._on_y else "the filtered error"
             least, most = self._filter_range() if self._whole and self._filtered else (None, None)
             states.append(State(name="f", says=says, least=least, most=most, group="filter"))
-        if not self._whole or self.features.change is not None:
+        if self.keeps_u:
             states.append(State(name="u", says="the last output"))
         return tuple(states)
+
+    @property
+    def keeps_u(self) -> bool:
+        """Return whether the output is a state: a rate, a fault or an empty struct asks for it."""
+        alone = not (self.law.ki or self.law.kd)
+        return not self._whole or self.features.change is not None or alone
 
     def _filter_range(self) -> tuple[int, int]:
         """Return bounds of f: those of its input where alpha <= 1, wider where it rings."""
@@ -188,18 +207,19 @@ class PidStep:
         return self._x_bounded(w, book, x)
 
     def _fed_back(self, w: Writer, book: Book, v: str, u: str) -> str:
-        short = w.sub("short", u, v, "minus what a limit took away")
+        missing = w.sub("missing", u, v, "minus what a limit took away")
         if self.features.back == 1 and not self._whole:
-            return short
+            return missing
         if self._whole:
             span = self.format.most - self.format.least
             high = book.fixed("span", span, "all of u's range")
             low = book.fixed("minus_span", -span, "minus all of u's range")
-            short = w.atleast("short_in", w.atmost("short_top", short, high), low, "at most a span")
+            top = w.atmost("missing_top", missing, high)
+            missing = w.atleast("missing_in", top, low, "at most a span")
         back = book.gain(
             "back", self.features.back, "share that is fed back in a sample", self.points["integral"]
         )
-        return w.mul("x_fed", back, short, "fed back", "integral")
+        return w.mul("x_fed", back, missing, "fed back", "integral")
 
     def _x_range(self) -> tuple[int, int]:
         """Return the bounds of the integral in steps of u: what u and its other parts leave it."""
@@ -208,11 +228,15 @@ class PidStep:
         pad = ceil(rest) - f.least
         return f.least - pad, f.most + pad
 
+    def _x_ends(self) -> tuple[int, int]:
+        low, high = self._x_range()
+        return low << self.points["integral"], high << self.points["integral"]
+
     def _x_bounded(self, w: Writer, book: Book, x: str) -> str:
         if not self._whole:
             return x
         point = self.points["integral"]
-        low, high = (b << point for b in self._x_range())
+        low, high = self._x_ends()
         most = book.fixed("x_max", high, "upper end of the integral", point)
         least = book.fixed("x_min", low, "lower end of the integral", point)
         return w.atleast("x_new", w.atmost("x_top", x, most), least, "the integral in its range")
@@ -267,7 +291,7 @@ class PidStep:
 
 def finished(
     name: str, inputs: tuple[str, ...], w: Writer, stores: list[tuple[str, str]], v: str, u: str,
-    step: "PidStep", *, returns: bool = True,
+    step: "Keeps", *, returns: bool = True,
 ) -> Routine:  # fmt: skip
     """Return the routine, with the sum that guards what floats store."""
     guard = None
@@ -275,9 +299,11 @@ def finished(
         guard = v
         for i, (_, value) in enumerate(s for s in stores if s[1] != ZERO):
             guard = w.add(f"guard_{i + 1}", guard, value, "finite only if all of it is")
-    if not step.format.whole or step.features.change is not None:
+    if step.keeps_u:
         stores = [*stores, ("u", u)]
+    result = u if returns else None
     return Routine(
-        name=name, inputs=inputs, lines=tuple(w.lines), stores=tuple(stores),
-        result=u if returns else None, guard=guard,
+        name=name, inputs=inputs, lines=used(w.lines, (result, guard, *(n for _, n in stores))),
+        stores=tuple(stores),
+        result=result, guard=guard,
     )  # fmt: skip

@@ -167,7 +167,8 @@ def _candidates(request: Asked, number: Number) -> dict[str, Callable[[], Step]]
                 "realisation", "must fit the controller, and pid is P, I and one filtered part",
                 "pid", "choose cascade or delta",
             )  # fmt: skip
-    if not request.needs_parallel:
+    alone = law is not None and not (law.ki or law.kd) and request.realisation == "auto"
+    if not request.needs_parallel and not alone:  # a gain alone has one form
         for name in ("cascade", "delta"):
             if request.realisation in ("auto", name):
                 found[name] = lambda delta=name == "delta": _cascade(request, number, delta)
