@@ -1,0 +1,78 @@
+"""A design's firmware is the design: proved by running it, to the last bit.
+
+    Python model == C on this machine == C on every core, at every level of optimisation
+
+in all outputs, in all bytes of the state after each trial, and in the whole trajectory of the loop
+with the plant. A proof by trial is as good as its samples: ``vectors`` and ``trials`` say which.
+"""
+
+from collections.abc import Sequence
+
+from zoh import checks
+from zoh.analysis.verify import Verified
+from zoh.errors import SpecError, Unequal
+from zoh.firmware import comparison, toolchain
+from zoh.firmware.c import emit
+from zoh.firmware.closed_loop import Loop
+from zoh.firmware.cores import NAMES, named
+from zoh.firmware.equality import Equality
+from zoh.firmware.model import Model
+from zoh.firmware.plan import Plan, plan
+from zoh.firmware.trials import trials
+from zoh.firmware.vectors import hostile
+
+LEAST_SAMPLES, LOOP_SAMPLES = 20_000, 2_000
+
+
+def prove(
+    design: Verified | Plan, *, number: str | None = None, targets: Sequence[str] = NAMES,
+    levels: Sequence[str] = toolchain.LEVELS, samples: int = LEAST_SAMPLES,
+    progress: comparison.Progress | None = None,
+) -> Equality:  # fmt: skip
+    """Return the proof that a design's firmware is the design, with what it costs on each core.
+
+    design    a verified design, or its plan, which has limits and ranges, too
+    number    f32, f64, q31, q15 or auto; f32 if left out; a plan has one already
+    targets   cores, by name; levels of optimisation, "O2" and "Os"
+    samples   hostile ones, 20 000 or more; edges, chance and hand-overs come on top
+    progress  called after each build with how many are done, how many there are and which it was
+
+    Raises Unequal where a single bit differs, SpecError for a bad request or a missing package.
+    """
+    made = planned(design, number)
+    cores = named(targets)
+    for level in levels:
+        if level not in toolchain.LEVELS:
+            raise SpecError("levels", "must be of O2, Os", level, "choose of these")
+    checks.whole("samples", samples, LEAST_SAMPLES, "leave it out")
+    found = comparison.compared(
+        comparison.Subject(
+            name=made.name, number=made.number, sources=emit(made), begin=lambda: Model(made)
+        ),
+        trials(made.number, hostile(made, samples)),
+        cores=cores, levels=levels, loop=loop_of(made), progress=progress,
+    )  # fmt: skip
+    if not found.holds:
+        raise Unequal(found.differences, found)
+    return found
+
+
+def planned(design: Verified | Plan, number: str | None) -> Plan:
+    """Return the plan of what is a design or a plan already."""
+    if isinstance(design, Plan):
+        if number not in (None, design.number):
+            bound = f"must be the plan's, {design.number}, or be left out"
+            raise SpecError("number", bound, number, "plan the design again with it")
+        return design
+    return plan(design, number="f32" if number is None else number)
+
+
+def loop_of(made: Plan) -> Loop:
+    """Return the loop of a plan, with the reference of the design or a quarter of y's range."""
+    reference = made.design.reference
+    if made.format.whole:
+        quarter = float(made.format.most * made.format.y_unit) / 4
+        reference = min(quarter, max(-quarter, reference))
+    return Loop(
+        plant=made.design.sampled, format=made.format, reference=reference, samples=LOOP_SAMPLES
+    )
