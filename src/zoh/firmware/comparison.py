@@ -125,15 +125,16 @@ def _built(
     sources = {**subject.sources, "driver.c": harness.driver(name, subject.number)}
     if core is None:
         library = toolchain.for_host(level, sources, folder)
-        found = tuple(_differences(subject, expected, Host(library, size)))
+        host = Host(library, size)
+        found = tuple(_differences(subject, expected, host, host))
         return Build(target=THIS_MACHINE, level=level, differences=(*_fused(library), *found))
     image = elf.read(toolchain.for_core(core, level, name, sources, folder))
     faults = image.faults(name, subject.number, core)
     if image.absent(name):
         return Build(target=core.title, level=level, differences=faults)
-    machine = Emulated(core, image, name, size)
-    counts = machine.counted(counter)
-    found = tuple(_differences(subject, expected, machine))
+    counting = Emulated(core, image, name, size)
+    counts = counting.counted(counter)
+    found = tuple(_differences(subject, expected, Emulated(core, image, name, size), counting))
     return Build(
         target=core.title, level=level, instructions=_instructions(counts),
         code_bytes=image.code_bytes(name), step_bytes=image.step_bytes(name),
@@ -141,13 +142,16 @@ def _built(
     )  # fmt: skip
 
 
-def _differences(subject: Subject, expected: Expected, machine: Machine) -> Iterator[str]:
-    """Yield what differs from the model, one sentence each."""
+def _differences(
+    subject: Subject, expected: Expected, machine: Machine, counting: Machine
+) -> Iterator[str]:
+    """Yield what differs from the model, one sentence each; ``counting`` runs what is counted."""
     if (size := machine.call(harness.SIZE)) != expected.state_bytes:
         yield f"the state has {size} bytes, the model's {expected.state_bytes}"
         return
     for trial, outcome in zip(expected.trials, expected.outcomes, strict=True):
-        yield from differences(trial.title, outcome, machine.run(trial), trial.given)
+        found = (counting if trial.counted else machine).run(trial)
+        yield from differences(trial.title, outcome, found, trial.given)
     if expected.loop is not None:
         found = _in_the_loop(expected.loop, machine, expected.in_loop.outputs.dtype)
         yield from differences("in the loop", expected.in_loop, found)

@@ -7,13 +7,7 @@ from io import BytesIO
 
 from zoh.firmware.cores import Core
 from zoh.firmware.harness import ROUTINES, RUN, SIZE
-from zoh.firmware.toolchain import missing
-
-try:
-    import capstone
-    from elftools.elf.elffile import ELFFile
-except ModuleNotFoundError as absent:
-    raise missing({"elftools": "pyelftools"}.get(absent.name or "", "capstone")) from None
+from zoh.firmware.toolchain import package
 
 # The names under which compiler-rt and libgcc know their arithmetic of floats in software
 _SOFT_FLOAT = re.compile(
@@ -23,11 +17,11 @@ _SOFT_FLOAT = re.compile(
 )
 # vfma (Arm), fmadd.s (RISC-V), vfmadd213ss (x86), fmadd and fmla (AArch64); vmla.f32 rounds twice
 _FUSED = re.compile(r"^(?:vfn?m[as]\.f\d+|v?fn?m(?:add|sub)(?:\d+\w+)?(?:\.[sd])?|fml[as])$")
-_MODES = {
-    "EM_ARM": (capstone.CS_ARCH_ARM, capstone.CS_MODE_THUMB | capstone.CS_MODE_MCLASS),
-    "EM_RISCV": (capstone.CS_ARCH_RISCV, capstone.CS_MODE_RISCV32 | capstone.CS_MODE_RISCVC),
-    "EM_X86_64": (capstone.CS_ARCH_X86, capstone.CS_MODE_64),
-    "EM_AARCH64": (capstone.CS_ARCH_ARM64, capstone.CS_MODE_LITTLE_ENDIAN),
+_MODES = {  # as capstone calls them
+    "EM_ARM": ("CS_ARCH_ARM", "CS_MODE_THUMB", "CS_MODE_MCLASS"),
+    "EM_RISCV": ("CS_ARCH_RISCV", "CS_MODE_RISCV32", "CS_MODE_RISCVC"),
+    "EM_X86_64": ("CS_ARCH_X86", "CS_MODE_64"),
+    "EM_AARCH64": ("CS_ARCH_ARM64",),
 }
 
 
@@ -92,7 +86,9 @@ class Image:
 
     def _disassembled(self, address: int, data: bytes) -> Iterator[tuple[int, str, str]]:
         """Yield every routine's instructions; what stands between routines is no code."""
-        decode = capstone.Cs(*_MODES[self.machine])
+        capstone = package("capstone")
+        family, *modes = (getattr(capstone, name) for name in _MODES[self.machine])
+        decode = capstone.Cs(family, sum(modes))  # modes are bits
         decode.skipdata = True
         for symbol in self.symbols.values():
             start = (symbol.address & ~1 if self.machine == "EM_ARM" else symbol.address) - address
@@ -104,7 +100,7 @@ class Image:
 
 def read(data: bytes) -> Image:
     """Return what is in an ELF image."""
-    file = ELFFile(BytesIO(data))
+    file = package("elftools.elf.elffile").ELFFile(BytesIO(data))
     sections = {s.name: s for s in file.iter_sections()}
     table = sections.get(".symtab")
     found = () if table is None else [s for s in table.iter_symbols() if s.name]

@@ -13,22 +13,15 @@ import numpy as np
 from zoh.firmware.cores import Core
 from zoh.firmware.elf import Image
 from zoh.firmware.harness import COUNT, END, RUN
-from zoh.firmware.toolchain import missing
+from zoh.firmware.toolchain import package
 from zoh.firmware.trials import Outcome, Trial
-
-try:
-    import unicorn
-    from unicorn import arm_const, riscv_const, unicorn_const
-    from unicorn.unicorn_py3.unicorn import uclib
-except ModuleNotFoundError:
-    raise missing("unicorn") from None
 
 _CODE, _RAM, _BACK = 0x10000, 0x20000000, 0x70000000  # image; memory; where the driver returns to
 _MEGABYTE = 1 << 20
 _STATE, _WHAT, _GIVEN, _OUT, _TOP = (_RAM + k * _MEGABYTE for k in (0, 1, 2, 6, 8))
 _REGISTERS = {
-    "arm": ("UC_ARM_REG_", ("R0", "R1", "R2", "R3"), "SP", "LR"),
-    "riscv": ("UC_RISCV_REG_", ("A0", "A1", "A2", "A3"), "SP", "RA"),
+    "arm": ("unicorn.arm_const", "UC_ARM_REG_", ("R0", "R1", "R2", "R3"), "SP", "LR"),
+    "riscv": ("unicorn.riscv_const", "UC_RISCV_REG_", ("A0", "A1", "A2", "A3"), "SP", "RA"),
 }
 _PROBES = 500  # samples in which the depth of the stack is looked at
 
@@ -51,10 +44,10 @@ class Emulated:
     def __init__(self, core: Core, image: Image, name: str, state_bytes: int) -> None:
         self.core, self.image, self.name = core, image, name
         self._size = state_bytes
-        prefix, arguments, pointer, link = _REGISTERS[core.family]
-        names = arm_const if core.family == "arm" else riscv_const
-        self._arguments = [getattr(names, prefix + a) for a in arguments]
-        self._pointer, self._link = getattr(names, prefix + pointer), getattr(names, prefix + link)
+        home, prefix, arguments, *others = _REGISTERS[core.family]
+        names = vars(package(home))
+        self._arguments = [names[prefix + a] for a in arguments]
+        self._pointer, self._link = (names[prefix + other] for other in others)
         self._thumb = 1 if core.family == "arm" else 0
         self._machine = _machine(core)
         for start, size in ((_CODE, 4 * _MEGABYTE), (_RAM, 8 * _MEGABYTE), (_BACK, 4096)):
@@ -92,19 +85,19 @@ class Emulated:
 
     def counted(self, library: ctypes.CDLL) -> Counts:
         """Return the counts that the compiled counter fills in from now on."""
-        run = self._address(RUN)
+        run, unicorn = self._address(RUN), package("unicorn.unicorn_py3.unicorn").uclib
         counts = Counts(
             entry=self._address(f"{self.name}_step"), first=run,
             last=run + self.image.symbols[RUN].size, pointer=self._pointer, probes=_PROBES,
-            read=ctypes.cast(uclib.uc_reg_read, ctypes.c_void_p).value, least=(1 << 64) - 1,
+            read=ctypes.cast(unicorn.uc_reg_read, ctypes.c_void_p).value, least=(1 << 64) - 1,
         )  # fmt: skip
         everywhere = (ctypes.c_uint64(1), ctypes.c_uint64(0))  # an empty range stands for all
-        failed = uclib.uc_hook_add(
-            self._machine._uch, ctypes.byref(ctypes.c_size_t()), unicorn_const.UC_HOOK_CODE,
+        failed = unicorn.uc_hook_add(
+            self._machine._uch, ctypes.byref(ctypes.c_size_t()), package("unicorn").UC_HOOK_CODE,
             ctypes.cast(library[COUNT], ctypes.c_void_p), ctypes.byref(counts), *everywhere,
         )  # fmt: skip
         if failed:
-            raise unicorn.UcError(failed)
+            raise package("unicorn").UcError(failed)
         return counts
 
     def _address(self, routine: str) -> int:
@@ -113,17 +106,19 @@ class Emulated:
 
 def _machine(core: Core) -> Any:
     """Return the emulator of a core, its floating-point unit switched on."""
+    unicorn = package("unicorn")
     if core.family == "riscv":
-        machine = unicorn.Uc(unicorn_const.UC_ARCH_RISCV, unicorn_const.UC_MODE_RISCV32)
-        status = machine.reg_read(riscv_const.UC_RISCV_REG_MSTATUS)
-        machine.reg_write(riscv_const.UC_RISCV_REG_MSTATUS, status | 0x6000)  # FS: dirty
+        machine = unicorn.Uc(unicorn.UC_ARCH_RISCV, unicorn.UC_MODE_RISCV32)
+        status = package("unicorn.riscv_const").UC_RISCV_REG_MSTATUS
+        machine.reg_write(status, machine.reg_read(status) | 0x6000)  # FS: dirty
         return machine
+    arm = package("unicorn.arm_const")
     full = core.model == "UC_CPU_ARM_MAX"
-    kind = 0 if full else unicorn_const.UC_MODE_MCLASS
-    machine = unicorn.Uc(unicorn_const.UC_ARCH_ARM, unicorn_const.UC_MODE_THUMB | kind)
-    machine.ctl_set_cpu_model(getattr(arm_const, core.model))
+    mode = unicorn.UC_MODE_THUMB | (0 if full else unicorn.UC_MODE_MCLASS)
+    machine = unicorn.Uc(unicorn.UC_ARCH_ARM, mode)
+    machine.ctl_set_cpu_model(getattr(arm, core.model))
     if full:
-        access = machine.reg_read(arm_const.UC_ARM_REG_C1_C0_2)
-        machine.reg_write(arm_const.UC_ARM_REG_C1_C0_2, access | 0xF << 20)
-        machine.reg_write(arm_const.UC_ARM_REG_FPEXC, 1 << 30)
+        access = machine.reg_read(arm.UC_ARM_REG_C1_C0_2)
+        machine.reg_write(arm.UC_ARM_REG_C1_C0_2, access | 0xF << 20)
+        machine.reg_write(arm.UC_ARM_REG_FPEXC, 1 << 30)
     return machine

@@ -21,7 +21,7 @@ from zoh.firmware.plan import Plan, plan
 from zoh.firmware.trials import trials
 from zoh.firmware.vectors import hostile
 
-LEAST_SAMPLES, LOOP_SAMPLES = 20_000, 2_000
+LEAST_SAMPLES, LOOP_SAMPLES = 20_000, 1_000
 
 
 def prove(

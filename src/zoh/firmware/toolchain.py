@@ -7,14 +7,16 @@ them in its cache: ~/.cache/zig, or where ZIG_GLOBAL_CACHE_DIR says.
 
 import subprocess
 from collections.abc import Mapping, Sequence
-from importlib.util import find_spec
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 from zoh.errors import SpecError
 from zoh.firmware import harness
 from zoh.firmware.cores import Core
 
 LEVELS = ("O2", "Os")
+_DISTRIBUTIONS = {"elftools": "pyelftools"}
 # No -ffp-contract=off: that nothing is fused is the source's own promise, and is proved of it.
 _COMMON = ("-std=c99", "-g", "-fno-sanitize=all")
 _BARE = (
@@ -25,16 +27,20 @@ _BARE = (
 
 def zig() -> str:
     """Return the path of the compiler; raise SpecError where it is not installed."""
-    found = find_spec("ziglang")
-    if found is None or found.origin is None:
-        raise missing("ziglang")
-    return str(Path(found.origin).parent / "zig")
+    return str(Path(package("ziglang").__file__).parent / "zig")
 
 
-def missing(package: str) -> SpecError:
-    """Return the error that names what brings a package of the proof."""
-    way_out = "pip install 'zoh[firmware]' brings it"
-    return SpecError("prove", f"must have {package}", "none", way_out)
+def package(name: str) -> Any:
+    """Return a module of a package that only a proof needs; raise SpecError where it is absent."""
+    try:
+        return import_module(name)
+    except ModuleNotFoundError as absent:
+        top = name.split(".")[0]
+        if (absent.name or "").split(".")[0] != top:
+            raise
+        way_out = "pip install 'zoh[firmware]' brings it"
+        bound = f"must have {_DISTRIBUTIONS.get(top, top)}"
+        raise SpecError("prove", bound, "none", way_out) from None
 
 
 def for_core(core: Core, level: str, name: str, sources: Mapping[str, str], folder: Path) -> bytes:
