@@ -198,10 +198,10 @@ class PidStep:
         point, how = self.points["integral"], self.features.anti_windup
         ki = book.gain("ki", self.law.ki * self.format.gain, "gain of the integral, a step", point)
         move = w.mul("x_move", ki, e, "what the integral moves by", "integral")
+        x = w.add("x_sum", "x", move, "", "integral")
         if self.features.limited and how == "conditional":
             over = w.sub("over", v, u, "what a limit took away")
-            move = w.unless("x_step", over, move, "not further into a limit")
-        x = w.add("x_sum", "x", move, "", "integral")
+            x = w.unless("x_on", over, move, "x", x, "not further into a limit", "integral")
         if self.features.limited and how in ("back_calculation", "tracking"):
             x = w.add("x_back", x, self._fed_back(w, book, v, u), "", "integral")
         return self._x_bounded(w, book, x)

@@ -86,6 +86,9 @@ class _Reading:
             return a.times(-1)
         if line.op in ("asr", "low"):
             return self._shifted(line)
+        if line.op == "unless":
+            ends = [self.range_of(self.values[name]) for name in line.args[2:]]
+            return self.unknown(line.name, (min(e[0] for e in ends), max(e[1] for e in ends)))
         b = self.values[line.args[1]]
         if line.op == "add":
             return a.plus(b)
@@ -97,8 +100,6 @@ class _Reading:
 
     def _chosen(self, line: Line, a: _Sum, b: _Sum) -> _Sum:
         (a0, a1), (b0, b1) = self.range_of(a), self.range_of(b)
-        if line.op == "unless":
-            return self.unknown(line.name, (min(0, b0), max(0, b1)))
         if line.op == "atmost":
             return a if a1 <= b0 else self.unknown(line.name, (min(a0, b0), min(a1, b1)))
         return a if a0 >= b1 else self.unknown(line.name, (max(a0, b0), max(a1, b1)))
