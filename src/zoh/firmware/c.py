@@ -9,7 +9,6 @@ smaller one that holds it.
 
 from collections.abc import Sequence
 
-from zoh.firmware.book import IO_BITS
 from zoh.firmware.head import Cost, header
 from zoh.firmware.lines import ZERO, Coefficient, Line, Routine
 from zoh.firmware.plan import Plan
@@ -51,7 +50,7 @@ def emit(plan: Plan, costs: Sequence[Cost] = ()) -> dict[str, str]:
 def _source(plan: Plan) -> str:
     writer = _Source(plan)
     parts = [
-        f'/* {plan.name}.c: see {plan.name}.h. Generated; design {plan.sha256}. */\n'
+        f"/* {plan.name}.c: see {plan.name}.h. Generated; design {plan.sha256}. */\n"
         f'#include "{plan.name}.h"\n',
         writer.protection(),
         "".join(map(writer.constant, plan.coefficients)),
@@ -82,7 +81,9 @@ class _Source:
                         for line in r.lines if line.op == "asr"})  # fmt: skip
         if not lines:
             return ""
-        text = "/* C leaves it open what a shift of a negative number is; this code needs floor. */\n"
+        text = (
+            "/* C leaves it open what a shift of a negative number is; this code needs floor. */\n"
+        )
         text += f"typedef char {self.name}_shift_is_floor[((-3) >> 1 == -2) ? 1 : -1];\n"
         for kind in types:
             text += (

@@ -144,9 +144,7 @@ class CascadeStep:
             total = w.add(f"sum_{i + 1}", part, total, f"section {i + 1}", name)
         return total, w.down(f"out_{i + 1}", total, point, f"output of section {i + 1}")
 
-    def _times(
-        self, w: Writer, book: Book, constant: str, name: str, x: str, i: int
-    ) -> str | None:
+    def _times(self, w: Writer, book: Book, constant: str, name: str, x: str, i: int) -> str | None:
         """Write constant x; x itself where it is a 1 that was not written, None where it is 0."""
         if constant in book.coefficients:
             return w.mul(name, constant, x, "", f"section{i + 1}")
@@ -241,7 +239,7 @@ class CascadeStep:
     def _settled(self, w: Writer, book: Book, i: int, x: str) -> str:
         """Write a section's output at rest under x."""
         b, a = self._taken(i)
-        rest = (sum(b) / (1 + sum(a))) if not self.delta else _rest_of_delta(b, a)
+        rest = (b[0] + b[1] + b[2]) / (1 + a[0] + a[1]) if not self.delta else _rest_of_delta(b, a)
         point = self.points[f"section{i + 1}"]
         name = book.gain(f"rest_{i + 1}", rest, f"section {i + 1}: gain at rest", point)
         y = w.mul(f"rest_of_{i + 1}", name, x, "", f"section{i + 1}")

@@ -217,7 +217,10 @@ class PidStep:
             top = w.atmost("missing_top", missing, high)
             missing = w.atleast("missing_in", top, low, "at most a span")
         back = book.gain(
-            "back", self.features.back, "share that is fed back in a sample", self.points["integral"]
+            "back",
+            self.features.back,
+            "share that is fed back in a sample",
+            self.points["integral"],
         )
         return w.mul("x_fed", back, missing, "fed back", "integral")
 

@@ -9,6 +9,7 @@ a surprise on a board.
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from hashlib import sha256
 from math import sqrt
 
@@ -161,7 +162,7 @@ def _candidates(request: Asked, number: Number) -> dict[str, Callable[[], Step]]
     found: dict[str, Callable[[], Step]] = {}
     if request.realisation in ("auto", "pid"):
         if law is not None:
-            found["pid"] = lambda: _pid(request, number, law)
+            found["pid"] = partial(_pid, request, number, law)
         elif request.realisation == "pid":
             raise SpecError(
                 "realisation", "must fit the controller, and pid is P, I and one filtered part",
@@ -171,7 +172,7 @@ def _candidates(request: Asked, number: Number) -> dict[str, Callable[[], Step]]
     if not request.needs_parallel and not alone:  # a gain alone has one form
         for name in ("cascade", "delta"):
             if request.realisation in ("auto", name):
-                found[name] = lambda delta=name == "delta": _cascade(request, number, delta)
+                found[name] = partial(_cascade, request, number, name == "delta")
     if not found:
         raise SpecError(
             request.needs_parallel, "must be left out for a controller in sections",
@@ -194,7 +195,10 @@ def _cascade(request: Asked, number: Number, delta: bool) -> CascadeStep:
     parts = sections(request.verified.controller)
     if any(p.a[p.order - 1] == 0 for p in parts[:-1]):
         raise SpecError(
-            "controller", "must have two integrators at most", len(parts), "there is no use for more"
+            "controller",
+            "must have two integrators at most",
+            len(parts),
+            "there is no use for more",
         )
     if format_.whole:
         parts = levelled(parts)

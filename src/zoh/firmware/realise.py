@@ -188,7 +188,9 @@ def levelled(parts: tuple[Section, ...]) -> tuple[Section, ...]:
     return (*moved, replace(last, b=_scaled(last.b, owed)))
 
 
-def _scaled(b: tuple[Fraction, Fraction, Fraction], c: Fraction) -> tuple[Fraction, Fraction, Fraction]:
+def _scaled(
+    b: tuple[Fraction, Fraction, Fraction], c: Fraction
+) -> tuple[Fraction, Fraction, Fraction]:
     return c * b[0], c * b[1], c * b[2]
 
 
@@ -255,7 +257,8 @@ def _size(factor: Exact) -> tuple[float, float]:
 
 def _matched(zeros: list[Exact], poles: list[Exact]) -> list[tuple[Exact, Exact]]:
     """Return each pole factor with a zero factor of no higher degree, the nearest that is left."""
-    left, pairs = list(zeros), []
+    left = list(zeros)
+    pairs: list[tuple[Exact, Exact]] = []
     for bottom in reversed(poles):  # the slowest choose first
         spare = sum(len(p) == 3 for p in poles) - sum(len(b) == 3 for _, b in pairs)
         wanted = sum(len(z) == 3 for z in left)

@@ -1,0 +1,268 @@
+"""What rounding inside the controller does to the loop: limit cycles and dead band, bounded; noise.
+
+The step's lines are read once more, as sums of states, inputs and errors. floor(a/2^k) is
+a/2^k - rho with rho in [0, 1), and what is kept of it (``low``) is 2^k rho, so that this is no
+model of rounding but what happens; y is read to half a step. A float operation errs by half a unit
+of its last place, of the largest value that it has in a reference step. With h the response from
+an error to y in the closed loop, however the errors fall y stays within::
+
+    sum over errors of  |mean sum h| + width/2 sum |h|          (dead band, limit cycles: any)
+    sqrt(sum over errors of  width^2/12 sum h^2)                (as noise, standard deviation)
+
+of where it would be without them, as long as no limit is reached.
+Source: A. V. Oppenheim, R. W. Schafer, Discrete-Time Signal Processing, ch. 6 (quantisation in
+the realisation of filters); the bound is the gain from amplitude to amplitude, sum |h|.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from zoh.analysis.realised import realised
+from zoh.errors import SpecError
+from zoh.firmware.lines import ZERO, Line, Program
+from zoh.firmware.plan import Plan
+
+Array = npt.NDArray[np.float64]
+_BLOCK = 256  # samples whose responses are taken together
+_MOST_BLOCKS = 20_000
+_REST = 1e-9  # of a sum: what one more block adds where it has come to rest
+_MOST_DELAY = 500  # samples that are carried as states
+_READ = "y read"  # the error of a measurement that is brought to whole steps
+_DIGITS = {"f32": 24, "f64": 53}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RoundOff:
+    """How far rounding moves y and u of the closed loop, in their units.
+
+    y_bound, u_bound  the most, whatever the signals are: of a dead band or a limit cycle too
+    y_noise, u_noise  the standard deviation, where the errors are as good as random
+    """
+
+    y_bound: float
+    u_bound: float
+    y_noise: float
+    u_noise: float
+
+
+def round_off(plan: Plan) -> RoundOff:
+    """Return what rounding does to the plan's loop.
+
+    Raises SpecError where the loop has too long a memory to be followed.
+
+    >>> import zoh
+    >>> from zoh.firmware.plan import plan
+    >>> d = zoh.p(zoh.Plant(num=[1], den=[1, 0]), dt=1.0, pm_deg=60)  # kp = 1: y = r
+    >>> found = round_off(plan(d, number="q15", y_range=(-1, 1), u_range=(-1, 1)))
+    >>> round(found.y_bound * 2**15, 9)  # steps: half of one where y is read, half where u is made
+    1.0
+    """
+    loop = _Loop.of(plan)
+    means, widths = loop.errors()
+    total, absolute, square = loop.sums()
+    bound = np.abs(total @ means) + absolute @ widths / 2
+    noise = np.sqrt(square @ (widths * widths) / 12)
+    y, u = float(plan.format.y_unit), float(plan.format.u_unit)
+    return RoundOff(
+        y_bound=float(bound[0]) * y, u_bound=float(bound[1]) * u,
+        y_noise=float(noise[0]) * y, u_noise=float(noise[1]) * u,
+    )  # fmt: skip
+
+
+@dataclass(slots=True)
+class _Rows:
+    """Every line of a step as a row on (states, r, y, 1, errors); limits are taken as open."""
+
+    program: Program
+    rows: dict[str, Array]
+    sites: list[tuple[str, float, str]]  # (name, the column's mean, the line that errs)
+
+    @classmethod
+    def of(cls, program: Program) -> "_Rows":
+        names = [s.name for s in program.states] + ["r", "y", "1"]
+        sites = _sites(program)
+        eye = np.eye(len(names) + len(sites))
+        rows = {name: eye[i] for i, name in enumerate(names)}
+        one = rows["1"]
+        rows |= {"ff": 0 * one, ZERO: 0 * one}
+        for c in program.coefficients:
+            rows[c.name] = float(c.value) * one
+        made = cls(program=program, rows=rows, sites=[(k, m, n) for k, m, n in sites])
+        errors = {key: eye[len(names) + i] for i, (key, _, _) in enumerate(sites)}
+        rows["y"] = rows["y"] + errors.get(_READ, 0.0)
+        for line in program.step.lines:
+            rows[line.name] = made._row(line, errors)
+        return made
+
+    def _row(self, line: Line, errors: Mapping[str, Array]) -> Array:
+        a = self.rows[line.args[0]]
+        if line.op in ("asr", "low"):
+            error = errors[_key(line)]
+            one = 2.0**line.shift
+            return a / one - error if line.op == "asr" else one * error
+        return self._exact(line, a) + errors.get(line.name, 0.0)
+
+    def _exact(self, line: Line, a: Array) -> Array:
+        if line.op in ("atmost", "atleast"):
+            return a
+        if line.op == "neg":
+            return -a
+        if line.op == "unless":
+            return self.rows[line.args[3]]
+        b = self.rows[line.args[1]]
+        if line.op == "mul":
+            return float(self.program.value(line.args[0])) * b
+        return a + b if line.op == "add" else a - b
+
+
+def _key(line: Line) -> str:
+    return f"{line.args[0]} mod 2^{line.shift}"
+
+
+def _sites(program: Program) -> list[tuple[str, float, str]]:
+    """Return (key, mean, line) of every error: of floors in [0, 1), of floats around 0."""
+    if program.whole:
+        floors = {_key(x): x.name for x in program.step.lines if x.op == "asr"}
+        return [(_READ, 0.0, "y"), *((key, 0.5, name) for key, name in floors.items())]
+    guards = {x.name for x in program.step.lines if x.name.startswith("guard")}
+    rounding = [x.name for x in program.step.lines if x.op in ("add", "sub", "mul")]
+    return [(name, 0.0, name) for name in rounding if name not in guards]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Loop:
+    """The closed loop in steps of y and u: state and errors to the next state and to (y, u)."""
+
+    plan: Plan
+    rows: _Rows
+    a: Array
+    b: Array  # a column for each error
+    c: Array  # rows y and u
+    d: Array
+    reference: Array  # what r adds to the next state
+    constant: Array
+    values: Array  # every erring line on (state, r, 1), for floats
+
+    @classmethod
+    def of(cls, plan: Plan) -> "_Loop":
+        """Return the loop of a plan's step and its design's sampled plant."""
+        rows = _Rows.of(plan.program)
+        step, n = plan.program.step, len(plan.program.states)
+        stores = dict(step.stores)
+        left = np.array([rows.rows[stores.get(s.name, s.name)] for s in plan.program.states])
+        left = left.reshape(n, -1)
+        u = rows.rows[str(step.result)]
+        a_p, b_p, c_p, d_p = _plant(plan)
+        m = len(b_p)
+        # Z = (controller, plant, r, 1, errors); y = c_p x + d_p u, u = u_y y + the rest
+        size = n + m + 2 + len(rows.sites)
+        wide = _spread(np.vstack([left, u[None, :]]), n, m, size)
+        y = np.zeros(size)
+        y[n : n + m] = c_p
+        u_y, rest = u[n + 1], wide[-1]
+        u_row = (rest + u_y * y) / (1 - u_y * d_p)
+        y = y + d_p * u_row
+        moved = np.vstack([wide[:-1] + np.outer(left[:, n + 1], y), np.zeros((m, size))])
+        moved[n:, n : n + m] += a_p
+        moved[n:] += np.outer(b_p, u_row)
+        k, errors = n + m, slice(n + m + 2, None)
+        erring = [rows.rows[name] for _, _, name in rows.sites]
+        values = np.array(erring).reshape(len(erring), -1)
+        on_z = _spread(values, n, m, size) + np.outer(values[:, n + 1], y)
+        return cls(
+            plan=plan, rows=rows, a=moved[:, :k], b=moved[:, errors],
+            c=np.array([y[:k], u_row[:k]]), d=np.array([y[errors], u_row[errors]]),
+            reference=moved[:, k], constant=moved[:, k + 1], values=on_z[:, : k + 2],
+        )  # fmt: skip
+
+    def errors(self) -> tuple[Array, Array]:
+        """Return the mean and the width of every error, the constants' share in the mean."""
+        count = len(self.rows.sites)
+        means = np.array([mean for _, mean, _ in self.rows.sites])
+        if self.plan.program.whole:
+            # half a step is added where a sum is rounded: it takes its floor's mean away
+            halves = {
+                f"{x.name} mod 2^{self._shift(x.name)}"
+                for x in self.plan.program.step.lines
+                if x.op == "add" and x.args[1] == "half"
+            }
+            means = np.array([0.0 if key in halves else m for key, m, _ in self.rows.sites])
+            return means, np.ones(count)
+        peaks = self._peaks()
+        return means, peaks * 2.0 ** (1 - _DIGITS[self.plan.number])
+
+    def _shift(self, name: str) -> int:
+        return next(x.shift for x in self.plan.program.step.lines if x.args[0] == name)
+
+    def _peaks(self) -> Array:
+        """Return the largest size of every erring line in the design's reference step."""
+        r = self.plan.design.reference
+        state, peaks = np.zeros(len(self.a)), np.zeros(len(self.values))
+        for k in range(_BLOCK * _MOST_BLOCKS):
+            now = np.abs(self.values @ np.concatenate([state, [r, 1.0]]))
+            risen = now > peaks
+            peaks = np.where(risen, now, peaks)
+            moved = self.a @ state + self.reference * r + self.constant
+            if k > 16 and np.abs(moved - state).max() <= 1e-6 * np.abs(moved).max():
+                break
+            state = moved
+        return peaks
+
+    def sums(self) -> tuple[Array, Array, Array]:
+        """Return sum h, sum |h| and sum h^2 over all samples, from every error to y and u."""
+        total, absolute, square = self.d.copy(), np.abs(self.d), self.d**2
+        rows = [self.c]
+        for _ in range(_BLOCK - 1):
+            rows.append(rows[-1] @ self.a)
+        stacked, power = np.array(rows), np.linalg.matrix_power(self.a, _BLOCK)
+        state = self.b
+        for _ in range(_MOST_BLOCKS):
+            h = stacked @ state
+            more = np.abs(h).sum(axis=0)
+            total, absolute, square = total + h.sum(axis=0), absolute + more, square + (h**2).sum(0)
+            if (more <= _REST * absolute + 1e-300).all():
+                return total, absolute, square
+            state = power @ state
+        raise SpecError(
+            "plan", "must have a loop that comes to rest in some million samples",
+            f"{_BLOCK * _MOST_BLOCKS} samples", "sample more slowly",
+        )  # fmt: skip
+
+
+def _spread(rows: Array, n: int, m: int, size: int) -> Array:
+    """Return rows on (states, r, y, 1, errors) as rows on Z, without what y brings."""
+    wide = np.zeros((len(rows), size))
+    wide[:, :n] = rows[:, :n]
+    wide[:, n + m] = rows[:, n]
+    wide[:, n + m + 1 :] = rows[:, n + 2 :]
+    return wide
+
+
+def _plant(plan: Plan) -> tuple[Array, Array, Array, float]:
+    """Return the sampled plant from steps of u to steps of y as (A, B, C, D), delays as states."""
+    sampled = plan.design.sampled
+    if sampled.delay > _MOST_DELAY:
+        raise SpecError(
+            "plan", f"must have {_MOST_DELAY} samples of delay or fewer", sampled.delay,
+            "sample more slowly",
+        )  # fmt: skip
+    chain, c, d = realised(sampled)
+    n, late = len(chain), sampled.delay
+    gain = float(plan.format.u_unit / plan.format.y_unit)
+    a = np.eye(n + late)
+    a[n:, n:] = np.eye(late, k=-1)
+    if n:
+        a[0, :n] -= chain
+        a[1:n, : n - 1] += np.eye(n - 1)
+    b, out = np.zeros(n + late), np.zeros(n + late)
+    out[:n] = np.array(c) * gain
+    if late:
+        b[n] = 1.0
+        a[0, n + late - 1] += 1.0 if n else 0.0
+        out[n + late - 1] = d * gain
+        return a, b, out, 0.0
+    b[:1] = 1.0 if n else 0.0
+    return a, b, out, d * gain
