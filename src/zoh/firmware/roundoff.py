@@ -14,7 +14,6 @@ Source: A. V. Oppenheim, R. W. Schafer, Discrete-Time Signal Processing, ch. 6 (
 the realisation of filters); the bound is the gain from amplitude to amplitude, sum |h|.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,15 +21,14 @@ import numpy.typing as npt
 
 from zoh.analysis.realised import realised
 from zoh.errors import SpecError
-from zoh.firmware.lines import ZERO, Line, Program
 from zoh.firmware.plan import Plan
+from zoh.firmware.rows import Rows
 
 Array = npt.NDArray[np.float64]
 _BLOCK = 256  # samples whose responses are taken together
 _MOST_BLOCKS = 20_000
 _REST = 1e-9  # of a sum: what one more block adds where it has come to rest
 _MOST_DELAY = 500  # samples that are carried as states
-_READ = "y read"  # the error of a measurement that is brought to whole steps
 _DIGITS = {"f32": 24, "f64": 53}
 
 
@@ -72,72 +70,12 @@ def round_off(plan: Plan) -> RoundOff:
     )  # fmt: skip
 
 
-@dataclass(slots=True)
-class _Rows:
-    """Every line of a step as a row on (states, r, y, 1, errors); limits are taken as open."""
-
-    program: Program
-    rows: dict[str, Array]
-    sites: list[tuple[str, float, str]]  # (name, the column's mean, the line that errs)
-
-    @classmethod
-    def of(cls, program: Program) -> "_Rows":
-        names = [s.name for s in program.states] + ["r", "y", "1"]
-        sites = _sites(program)
-        eye = np.eye(len(names) + len(sites))
-        rows = {name: eye[i] for i, name in enumerate(names)}
-        one = rows["1"]
-        rows |= {"ff": 0 * one, ZERO: 0 * one}
-        for c in program.coefficients:
-            rows[c.name] = float(c.value) * one
-        made = cls(program=program, rows=rows, sites=[(k, m, n) for k, m, n in sites])
-        errors = {key: eye[len(names) + i] for i, (key, _, _) in enumerate(sites)}
-        rows["y"] = rows["y"] + errors.get(_READ, 0.0)
-        for line in program.step.lines:
-            rows[line.name] = made._row(line, errors)
-        return made
-
-    def _row(self, line: Line, errors: Mapping[str, Array]) -> Array:
-        a = self.rows[line.args[0]]
-        if line.op in ("asr", "low"):
-            error = errors[_key(line)]
-            one = 2.0**line.shift
-            return a / one - error if line.op == "asr" else one * error
-        return self._exact(line, a) + errors.get(line.name, 0.0)
-
-    def _exact(self, line: Line, a: Array) -> Array:
-        if line.op in ("atmost", "atleast"):
-            return a
-        if line.op == "neg":
-            return -a
-        if line.op == "unless":
-            return self.rows[line.args[3]]
-        b = self.rows[line.args[1]]
-        if line.op == "mul":
-            return float(self.program.value(line.args[0])) * b
-        return a + b if line.op == "add" else a - b
-
-
-def _key(line: Line) -> str:
-    return f"{line.args[0]} mod 2^{line.shift}"
-
-
-def _sites(program: Program) -> list[tuple[str, float, str]]:
-    """Return (key, mean, line) of every error: of floors in [0, 1), of floats around 0."""
-    if program.whole:
-        floors = {_key(x): x.name for x in program.step.lines if x.op == "asr"}
-        return [(_READ, 0.0, "y"), *((key, 0.5, name) for key, name in floors.items())]
-    guards = {x.name for x in program.step.lines if x.name.startswith("guard")}
-    rounding = [x.name for x in program.step.lines if x.op in ("add", "sub", "mul")]
-    return [(name, 0.0, name) for name in rounding if name not in guards]
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Loop:
     """The closed loop in steps of y and u: state and errors to the next state and to (y, u)."""
 
     plan: Plan
-    rows: _Rows
+    rows: Rows
     a: Array
     b: Array  # a column for each error
     c: Array  # rows y and u
@@ -149,7 +87,7 @@ class _Loop:
     @classmethod
     def of(cls, plan: Plan) -> "_Loop":
         """Return the loop of a plan's step and its design's sampled plant."""
-        rows = _Rows.of(plan.program)
+        rows = Rows.of(plan.program)
         step, n = plan.program.step, len(plan.program.states)
         stores = dict(step.stores)
         left = np.array([rows.rows[stores.get(s.name, s.name)] for s in plan.program.states])
