@@ -11,6 +11,7 @@ from zoh.errors import NotMet, SpecError
 from zoh.firmware.asked import Asked
 from zoh.firmware.cascade import CascadeStep
 from zoh.firmware.levels import levelled
+from zoh.firmware.linear import transfer
 from zoh.firmware.lines import Number, Program
 from zoh.firmware.pid import PidStep
 from zoh.firmware.ranges import Overflow, Ranges, proved
@@ -104,7 +105,8 @@ def built(request: Asked, realisation: str, step: Step) -> Built:
     """
     step, program, ranges = _fitted(step, request)
     design = request.verified
-    num, den = step.realised(program)
+    num, den = transfer(program)
+    num = tuple(c / step.format.gain for c in num)
     try:
         quantised = verify(
             design.plant, from_d(num, den, design.dt), compute_delay=design.compute_delay,

@@ -50,7 +50,7 @@ class CascadeStep(CascadeShape):
             a2 = self.rounded(a2, point)
             a1 = -1 - a2
         for k, c in enumerate((a1, a2), 1):
-            if _written(c, self.format.whole):
+            if _written(-c, self.format.whole):
                 book.gain(f"m{k}_{i + 1}", -c, f"section {i + 1}: -a{k}", point)
 
     def _step(self, book: Book) -> Routine:

@@ -8,8 +8,8 @@ from typing import Self
 
 from zoh.firmware.book import Features, Format
 from zoh.firmware.factors import Exact
-from zoh.firmware.lines import Program, State
-from zoh.firmware.realise import Section, together
+from zoh.firmware.lines import State
+from zoh.firmware.realise import Section
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,21 +33,6 @@ class CascadeShape:
         start = form.word - 2 if form.whole else 0
         points = {f"section{i}": start for i in range(1, len(sections) + 1)}
         return cls(sections=sections, features=features, format=form, delta=delta, points=points)
-
-    def realised(self, program: Program) -> tuple[Exact, Exact]:
-        """Return num and den in d of what the program's coefficients make, in physical units."""
-        held = {c.name: Fraction(c.value) / (1 << c.point) for c in program.coefficients}
-        made = []
-        for i, section in enumerate(self.sections, 1):
-            b, a = self.taken(i - 1)
-            b0, b1, b2 = (_kept(held, f"b{k}_{i}", c) for k, c in enumerate(b))
-            a1, a2 = (-_kept(held, f"m{k}_{i}", -c) for k, c in enumerate(a, 1))
-            if self.delta:
-                made.append(Section(b=(b0, b1, b2), a=(a1, a2), order=section.order))
-            else:
-                made.append(Section.from_z((b0, b1, b2), (a1, a2), section.order))
-        num, den = together(tuple(made))
-        return tuple(c / self.format.gain for c in num), den
 
     def taken(self, i: int) -> tuple[Exact, Exact]:
         """Return (b, a) of section i in its form; the last one counts in steps of u per step."""
@@ -103,8 +88,3 @@ class CascadeShape:
         points = dict(self.points)
         points[group] -= 1
         return replace(self, points=points) if points[group] >= 0 else None
-
-
-def _kept(held: Mapping[str, Fraction], name: str, value: Fraction) -> Fraction:
-    """Return the constant of this name; what needed none is 0 or 1."""
-    return held.get(name, value)

@@ -2,14 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from math import ceil
 from typing import Self
 
 from zoh.firmware.book import Features, Format
-from zoh.firmware.factors import Exact
-from zoh.firmware.lines import Program, State
-from zoh.firmware.realise import Filter, Parallel, sum_of
+from zoh.firmware.lines import State
+from zoh.firmware.realise import Filter, Parallel
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,20 +92,6 @@ class PidShape:
         """Return the same at the integral's binary point."""
         low, high = self.x_range()
         return low << self.points["integral"], high << self.points["integral"]
-
-    def realised(self, program: Program) -> tuple[Exact, Exact]:
-        """Return num and den in d of what the program's coefficients make, in physical units."""
-        held = {c.name: Fraction(c.value) / (1 << c.point) for c in program.coefficients}
-        kp, ki = (held.get(name, Fraction(0)) / self.format.gain for name in ("kp", "ki"))
-        num: Exact = (kp,)
-        den: Exact = (Fraction(1),)
-        for tail, part in self.filters:  # kd d/(d + alpha)
-            kd = held[f"kd{tail}"] / self.format.gain
-            alpha = held.get(f"alpha{tail}", part.alpha)
-            num, den = sum_of((num, den), ((kd, Fraction(0)), (Fraction(1), alpha)))
-        if self.law.ki:
-            num, den = sum_of((num, den), ((ki,), (Fraction(1), Fraction(0))))
-        return num, den
 
     def moved(self, group: str) -> Self | None:
         """Return the same with one binary point a bit lower; None where there is no bit left."""

@@ -61,14 +61,6 @@ class Section:
             return (b0, b1 - b0, b2), (a1 - 1, a2)
         return (b0, b1 - 2 * b0, b2 - b1 + b0), (a1 - 2, a2 - a1 + 1)
 
-    @classmethod
-    def from_z(cls, b: Exact, a: Exact, order: int) -> "Section":
-        """Return the section with these coefficients of z^-1."""
-        (b0, b1, b2), (a1, a2) = b, a
-        if order == 1:
-            return cls(b=(b0, b1 + b0, b2), a=(a1 + 1, a2), order=1)
-        return cls(b=(b0, b1 + 2 * b0, b2 + b1 + b0), a=(a1 + 2, a2 + a1 + 1), order=2)
-
 
 def in_d(controller: Sampled) -> tuple[Exact, Exact]:
     """Return num and den in d = z - 1, exactly, the first coefficient of den being 1.
@@ -167,23 +159,6 @@ def sections(controller: Sampled) -> tuple[Section, ...]:
         scaled = tuple(c * gain for c in top) if last else top
         made.append(_section(scaled, bottom))
     return tuple(made) or (_section((gain, gain), (Fraction(1), Fraction(1))),)
-
-
-def sum_of(a: tuple[Exact, Exact], b: tuple[Exact, Exact]) -> tuple[Exact, Exact]:
-    """Return a + b, fractions in d as (num, den)."""
-    num = plus(product(a[0], b[1]), product(b[0], a[1]))
-    return num, product(a[1], b[1])
-
-
-def together(parts: tuple[Section, ...]) -> tuple[Exact, Exact]:
-    """Return num and den of sections in series."""
-    num: Exact = (Fraction(1),)
-    den: Exact = (Fraction(1),)
-    for part in parts:
-        n = part.order
-        num = product(num, part.b[: n + 1])
-        den = product(den, (Fraction(1), *part.a[:n]))
-    return num, den
 
 
 def _from_w(a: tuple[float, ...], dt: float) -> Exact:

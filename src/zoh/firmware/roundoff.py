@@ -14,6 +14,7 @@ Source: A. V. Oppenheim, R. W. Schafer, Discrete-Time Signal Processing, ch. 6 (
 the realisation of filters); the bound is the gain from amplitude to amplitude, sum |h|.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,12 +22,14 @@ import numpy.typing as npt
 
 from zoh.analysis.realised import realised
 from zoh.errors import SpecError
+from zoh.firmware.linear import READ, Row, left, rows
+from zoh.firmware.lines import Program
 from zoh.firmware.plan import Plan
-from zoh.firmware.rows import Rows
 
 Array = npt.NDArray[np.float64]
 _BLOCK = 256  # samples whose responses are taken together
 _MOST_BLOCKS = 20_000
+_MOST_STEPS = 200_000  # of a reference step
 _REST = 1e-9  # of a sum: what one more block adds where it has come to rest
 _MOST_DELAY = 500  # samples that are carried as states
 _DIGITS = {"f32": 24, "f64": 53}
@@ -75,76 +78,74 @@ class _Loop:
     """The closed loop in steps of y and u: state and errors to the next state and to (y, u)."""
 
     plan: Plan
-    rows: Rows
+    errs: Mapping[str, str]  # by the line that makes it
     a: Array
     b: Array  # a column for each error
     c: Array  # rows y and u
     d: Array
     reference: Array  # what r adds to the next state
-    constant: Array
-    values: Array  # every erring line on (state, r, 1), for floats
+    values: Array  # every erring line on (state, r)
 
     @classmethod
     def of(cls, plan: Plan) -> "_Loop":
         """Return the loop of a plan's step and its design's sampled plant."""
-        rows = Rows.of(plan.program)
-        step, n = plan.program.step, len(plan.program.states)
-        stores = dict(step.stores)
-        left = np.array([rows.rows[stores.get(s.name, s.name)] for s in plan.program.states])
-        left = left.reshape(n, -1)
-        u = rows.rows[str(step.result)]
+        errors = _errors(plan.program)
+        found, stores = rows(plan.program, errors), dict(plan.program.step.stores)
+        states, columns = list(stores), list(errors.values())
         a_p, b_p, c_p, d_p = _plant(plan)
-        m = len(b_p)
-        # Z = (controller, plant, r, 1, errors); y = c_p x + d_p u, u = u_y y + the rest
-        size = n + m + 2 + len(rows.sites)
-        wide = _spread(np.vstack([left, u[None, :]]), n, m, size)
+        n, m = len(states), len(b_p)
+        # Z = (controller, plant, r, errors); y = c_p x + d_p u, and u = u_y y + the rest
+        at = {name: i for i, name in enumerate([*states, *[""] * m, "r", *columns])}
+        size, plant = n + m + 1 + len(columns), slice(n, n + m)
+
+        def on_z(row: Row) -> tuple[Array, float]:
+            wide = np.zeros(size)
+            for name, c in row.items():
+                if name in at:
+                    wide[at[name]] = float(c)
+            return wide, float(row.get("y", 0))
+
+        rest, u_y = on_z(found[str(plan.program.step.result)])
         y = np.zeros(size)
-        y[n : n + m] = c_p
-        u_y, rest = u[n + 1], wide[-1]
-        u_row = (rest + u_y * y) / (1 - u_y * d_p)
-        y = y + d_p * u_row
-        moved = np.vstack([wide[:-1] + np.outer(left[:, n + 1], y), np.zeros((m, size))])
-        moved[n:, n : n + m] += a_p
-        moved[n:] += np.outer(b_p, u_row)
-        k, errors = n + m, slice(n + m + 2, None)
-        erring = [rows.rows[name] for _, _, name in rows.sites]
-        values = np.array(erring).reshape(len(erring), -1)
-        on_z = _spread(values, n, m, size) + np.outer(values[:, n + 1], y)
+        y[plant] = c_p
+        u = (rest + u_y * y) / (1 - u_y * d_p)
+        y = y + d_p * u
+        moved = np.zeros((n + m, size))
+        for i, state in enumerate(states):
+            own, share = on_z(found[stores[state]])
+            moved[i] = own + share * y
+        moved[plant, plant] = a_p
+        moved[plant] += np.outer(b_p, u)
+        values = [own + share * y for own, share in (on_z(found[line]) for line in errors)]
+        k, err = n + m, slice(n + m + 1, None)
         return cls(
-            plan=plan, rows=rows, a=moved[:, :k], b=moved[:, errors],
-            c=np.array([y[:k], u_row[:k]]), d=np.array([y[errors], u_row[errors]]),
-            reference=moved[:, k], constant=moved[:, k + 1], values=on_z[:, : k + 2],
+            plan=plan, errs=errors, a=moved[:, :k], b=moved[:, err],
+            c=np.array([y[:k], u[:k]]), d=np.array([y[err], u[err]]),
+            reference=moved[:, k], values=np.array(values).reshape(-1, size)[:, : k + 1],
         )  # fmt: skip
 
     def errors(self) -> tuple[Array, Array]:
-        """Return the mean and the width of every error, the constants' share in the mean."""
-        count = len(self.rows.sites)
-        means = np.array([mean for _, mean, _ in self.rows.sites])
-        if self.plan.program.whole:
-            # half a step is added where a sum is rounded: it takes its floor's mean away
-            halves = {
-                f"{x.name} mod 2^{self._shift(x.name)}"
-                for x in self.plan.program.step.lines
-                if x.op == "add" and x.args[1] == "half"
-            }
-            means = np.array([0.0 if key in halves else m for key, m, _ in self.rows.sites])
-            return means, np.ones(count)
-        peaks = self._peaks()
-        return means, peaks * 2.0 ** (1 - _DIGITS[self.plan.number])
-
-    def _shift(self, name: str) -> int:
-        return next(x.shift for x in self.plan.program.step.lines if x.args[0] == name)
+        """Return the mean and the width of every error."""
+        if not self.plan.program.whole:
+            return np.zeros(len(self.errs)), self._peaks() * 2.0 ** (1 - _DIGITS[self.plan.number])
+        # half a step is added where a sum is rounded: that takes its floor's mean away
+        rounded = {x.name for x in self.plan.program.step.lines if x.args[-1] == "half"}
+        means = [
+            0.0 if error == READ or error.split(" mod ")[0] in rounded else 0.5
+            for error in self.errs.values()
+        ]
+        return np.array(means), np.ones(len(means))
 
     def _peaks(self) -> Array:
         """Return the largest size of every erring line in the design's reference step."""
         r = self.plan.design.reference
         state, peaks = np.zeros(len(self.a)), np.zeros(len(self.values))
-        for k in range(_BLOCK * _MOST_BLOCKS):
-            now = np.abs(self.values @ np.concatenate([state, [r, 1.0]]))
+        for k in range(_MOST_STEPS):
+            now = np.abs(self.values @ np.append(state, r))
             risen = now > peaks
             peaks = np.where(risen, now, peaks)
-            moved = self.a @ state + self.reference * r + self.constant
-            if k > 16 and np.abs(moved - state).max() <= 1e-6 * np.abs(moved).max():
+            moved = self.a @ state + self.reference * r
+            if k > 16 and np.abs(moved - state).max() <= 1e-9 * np.abs(moved).max():
                 break
             state = moved
         return peaks
@@ -170,13 +171,13 @@ class _Loop:
         )  # fmt: skip
 
 
-def _spread(rows: Array, n: int, m: int, size: int) -> Array:
-    """Return rows on (states, r, y, 1, errors) as rows on Z, without what y brings."""
-    wide = np.zeros((len(rows), size))
-    wide[:, :n] = rows[:, :n]
-    wide[:, n + m] = rows[:, n]
-    wide[:, n + m + 1 :] = rows[:, n + 2 :]
-    return wide
+def _errors(program: Program) -> dict[str, str]:
+    """Return the name of the error that each line makes, by line."""
+    lines = program.step.lines
+    if program.whole:
+        return {"y": READ} | {x.name: left(x) for x in lines if x.op == "asr"}
+    rounding = [x for x in lines if x.op in ("add", "sub", "mul")]
+    return {x.name: f"error of {x.name}" for x in rounding if not x.name.startswith("guard")}
 
 
 def _plant(plan: Plan) -> tuple[Array, Array, Array, float]:
