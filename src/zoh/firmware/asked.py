@@ -3,6 +3,7 @@
 from dataclasses import dataclass, fields, replace
 from fractions import Fraction
 from re import fullmatch
+from typing import Literal
 
 from zoh import checks
 from zoh.analysis.verify import Verified
@@ -13,7 +14,9 @@ from zoh.spec import Requirements
 
 WINDUPS = ("auto", "conditional", "back_calculation", "tracking", "none")
 REALISATIONS = ("auto", "pid", "cascade", "delta")
-_ROUNDED = 1e-5  # of a bound: a design that meets one with nothing to spare still is one when rounded
+_ROUNDED = (
+    1e-5  # of a bound: a design that meets one with nothing to spare still is one when rounded
+)
 _AT_LEAST = ("pm_deg", "gain_margin_db", "delay_margin", "bandwidth", "effort_min")
 _KEYWORDS = (
     "auto break case char const continue default do double else enum extern float for goto if "
@@ -29,7 +32,7 @@ class Asked:
 
     verified: Verified
     name: str
-    number: Number | str
+    number: Number | Literal["auto"]
     u_min: float | None
     u_max: float | None
     rate: float | None
@@ -81,9 +84,7 @@ class Asked:
             return self.u_range
         return self.u_min, self.u_max
 
-    def features(
-        self, form: Format, *, integral: bool, sections: bool, back: Fraction
-    ) -> Features:
+    def features(self, form: Format, *, integral: bool, sections: bool, back: Fraction) -> Features:
         """Return what is built in: whole numbers always have limits, those of their format."""
         low, high = (None if b is None else Fraction(b) for b in (self.u_min, self.u_max))
         if form.whole:
@@ -122,7 +123,7 @@ def asked(
     return Asked(
         verified=verified,
         name=_identifier(name),
-        number=_one_of("number", number, ("auto", *NUMBERS)),
+        number=_number(number),
         u_min=low,
         u_max=high,
         rate=None if rate is None else checks.positive("rate", rate, "give units of u a second"),
@@ -142,6 +143,11 @@ def _identifier(name: object) -> str:
             "name", "must be a C identifier of 31 characters or fewer", name, 'such as "arm_pid"'
         )
     return text
+
+
+def _number(value: object) -> Number | Literal["auto"]:
+    name = _one_of("number", value, ("auto", *NUMBERS))
+    return next((n for n in NUMBERS if n == name), "auto")
 
 
 def _one_of(name: str, value: object, known: tuple[str, ...]) -> str:

@@ -7,7 +7,7 @@ from math import ceil, floor, inf, nextafter
 import numpy as np
 
 from zoh.errors import SpecError
-from zoh.firmware.lines import Coefficient, Number, Writer
+from zoh.firmware.lines import ZERO, Coefficient, Number, Routine, Writer, used
 
 IO_BITS = {"q15": 16, "q31": 32}
 
@@ -164,3 +164,26 @@ def bounded(w: Writer, book: Book, features: Features, v: str) -> str:
         least = book.bound("u_min", features.u_min, "lower limit of u", up=True)
         v = w.atleast("u_new", v, least, "not below the lower limit")
     return v
+
+
+def finished(
+    name: str, inputs: tuple[str, ...], w: Writer, stores: list[tuple[str, str]], *,
+    v: str, u: str, keeps_u: bool, form: Format,
+) -> Routine:  # fmt: skip
+    """Return the routine; of floats with the sum that guards what is stored.
+
+    v, u  what was asked for, and what is left of it by the limits: what a step returns
+    """
+    guard = None
+    if not form.whole:
+        guard = v
+        for i, (_, value) in enumerate(s for s in stores if s[1] != ZERO):
+            guard = w.add(f"guard_{i + 1}", guard, value, "finite only if all of it is")
+    if keeps_u:
+        stores = [*stores, ("u", u)]
+    result = u if name == "step" else None
+    wanted = (result, guard, *(value for _, value in stores))
+    return Routine(
+        name=name, inputs=inputs, lines=used(w.lines, wanted), stores=tuple(stores),
+        result=result, guard=guard,
+    )  # fmt: skip

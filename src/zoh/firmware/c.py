@@ -9,7 +9,6 @@ smaller one that holds it.
 
 from collections.abc import Sequence
 
-from zoh.firmware.book import IO_BITS
 from zoh.firmware.head import Cost, header
 from zoh.firmware.lines import ZERO, Coefficient, Line, Routine
 from zoh.firmware.plan import Plan
@@ -51,7 +50,7 @@ def emit(plan: Plan, costs: Sequence[Cost] = ()) -> dict[str, str]:
 def _source(plan: Plan) -> str:
     writer = _Source(plan)
     parts = [
-        f'/* {plan.name}.c: see {plan.name}.h. Generated; design {plan.sha256}. */\n'
+        f"/* {plan.name}.c: see {plan.name}.h. Generated; design {plan.sha256}. */\n"
         f'#include "{plan.name}.h"\n',
         writer.protection(),
         "".join(map(writer.constant, plan.coefficients)),
@@ -82,7 +81,9 @@ class _Source:
                         for line in r.lines if line.op == "asr"})  # fmt: skip
         if not lines:
             return ""
-        text = "/* C leaves it open what a shift of a negative number is; this code needs floor. */\n"
+        text = (
+            "/* C leaves it open what a shift of a negative number is; this code needs floor. */\n"
+        )
         text += f"typedef char {self.name}_shift_is_floor[((-3) >> 1 == -2) ? 1 : -1];\n"
         for kind in types:
             text += (
@@ -164,6 +165,8 @@ class _Source:
         return f"    const {kind} {line.name} = {self._expression(routine, line, kind)};{comment}\n"
 
     def _expression(self, routine: Routine, line: Line, kind: str) -> str:
+        if line.op == "unless":
+            return self._unless(routine, line, kind)
         kinds = [self._type_in(routine, a) for a in line.args]
         wide = max([kind, *kinds], key=_width)
         read = [self._read(routine, a, wide) for a in line.args]
@@ -179,18 +182,16 @@ class _Source:
             mask = f"{(1 << line.shift) - 1}U{'LL' if kinds[0] == 'int64_t' else ''}"
             return f"({kind})((u{kinds[0]}){own} & {mask})"
         chosen = [self._read(routine, a, kind) for a in line.args]
-        if line.op == "unless":
-            return self._unless(read, chosen, kind)
         sign = ">" if line.op == "atmost" else "<"
         return f"({read[0]} {sign} {read[1]}) ? {chosen[1]} : {chosen[0]}"
 
-    def _unless(self, read: list[str], chosen: list[str], kind: str) -> str:
-        a, b = read
-        if not self.whole:
-            zero = float_literal(0.0, self.plan.number)
-            return f"(({a} * {b}) > {zero}) ? {zero} : {chosen[1]}"
+    def _unless(self, routine: Routine, line: Line, kind: str) -> str:
+        a, b = (self._read(routine, n, self._type_in(routine, n)) for n in line.args[:2])
+        kept, moved = (self._read(routine, n, kind) for n in line.args[2:])
         same = f"(({a} > 0) && ({b} > 0)) || (({a} < 0) && ({b} < 0))"
-        return f"({same}) ? ({kind})0 : {chosen[1]}"
+        if not self.whole:
+            same = f"({a} * {b}) > {float_literal(0.0, self.plan.number)}"
+        return f"({same}) ? {kept} : {moved}"
 
     def _type_in(self, routine: Routine, name: str) -> str:
         """Return the C type of a name in a routine."""

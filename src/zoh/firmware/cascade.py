@@ -14,29 +14,18 @@ error feedback); K. J. Astrom and B. Wittenmark, Computer-Controlled Systems, 3r
 (anti-windup by an observer); R. H. Middleton and G. C. Goodwin, Digital Control and Estimation.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
-from math import ceil
 
-from zoh.firmware.book import Book, Features, Format, bounded, limited
-from zoh.firmware.lines import ZERO, Program, Routine, State, Writer
-from zoh.firmware.pid import finished
-from zoh.firmware.realise import Exact, Section, together
+from zoh.firmware.book import Book, bounded, finished, limited
+from zoh.firmware.cascade_shape import CascadeShape
+from zoh.firmware.factors import Exact
+from zoh.firmware.lines import ZERO, Program, Routine, Writer
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CascadeStep:
-    """Sections in series with their features in one format; ``delta`` says in which form.
-
-    points  the binary point of each section's sum, "section1" and so on
-    """
-
-    sections: tuple[Section, ...]
-    features: Features
-    format: Format
-    delta: bool
-    points: Mapping[str, int]
+class CascadeStep(CascadeShape):
+    """Sections in series that write their routines."""
 
     def program(self) -> Program:
         """Return step, track and reset."""
@@ -45,80 +34,24 @@ class CascadeStep:
             self._write_section(book, i)
         step, track, reset = self._step(book), self._track(book), self._reset(book)
         return Program(
-            number=self.format.number, states=self._states(),
+            number=self.format.number, states=self.states(),
             coefficients=tuple(book.coefficients.values()), step=step, track=track, reset=reset,
         )  # fmt: skip
 
-    def realised(self, program: Program) -> tuple[Exact, Exact]:
-        """Return num and den in d of what the program's coefficients make, in physical units."""
-        held = {c.name: Fraction(c.value) / (1 << c.point) for c in program.coefficients}
-        made = []
-        for i, section in enumerate(self.sections, 1):
-            b, a = self._taken(i - 1)
-            b0, b1, b2 = (_kept(held, f"b{k}_{i}", c) for k, c in enumerate(b))
-            a1, a2 = (-_kept(held, f"m{k}_{i}", -c) for k, c in enumerate(a, 1))
-            if self.delta:
-                made.append(Section(b=(b0, b1, b2), a=(a1, a2), order=section.order))
-            else:
-                made.append(Section.from_z((b0, b1, b2), (a1, a2), section.order))
-        num, den = together(tuple(made))
-        return tuple(c / self.format.gain for c in num), den
-
-    def _taken(self, i: int) -> tuple[Exact, Exact]:
-        """Return (b, a) of section i in its form; the last one counts in steps of u per step."""
-        section = self.sections[i]
-        b, a = (section.b, section.a) if self.delta else section.in_z
-        gain = self.format.gain if i == len(self.sections) - 1 else Fraction(1)
-        return tuple(c * gain for c in b), a
-
     def _write_section(self, book: Book, i: int) -> None:
         """Write the constants of a section; an integrator stays one when they are rounded."""
-        b, a = self._taken(i)
+        b, a = self.taken(i)
         point = self.points[f"section{i + 1}"]
         for k, c in enumerate(b):
             if _written(c, self.format.whole):
                 book.gain(f"b{k}_{i + 1}", c, f"section {i + 1}: b{k}", point)
         a1, a2 = a
         if not self.delta and 1 + a1 + a2 == 0:
-            a2 = self._rounded(book, a2, point)
+            a2 = self.rounded(a2, point)
             a1 = -1 - a2
         for k, c in enumerate((a1, a2), 1):
-            if _written(c, self.format.whole):
+            if _written(-c, self.format.whole):
                 book.gain(f"m{k}_{i + 1}", -c, f"section {i + 1}: -a{k}", point)
-
-    def _rounded(self, book: Book, value: Fraction, point: int) -> Fraction:
-        """Return a2 of an integrating section so that -1 - a2 is held exactly too."""
-        if self.format.whole:
-            return Fraction(round(value * (1 << point)), 1 << point)
-        bits = 23 if self.format.number == "f32" else 52  # 1 + a2 is below 2
-        return Fraction(round(value * (1 << bits)), 1 << bits)
-
-    def _states(self) -> tuple[State, ...]:
-        states = []
-        for i, section in enumerate(self.sections, 1):
-            for k in range(1, section.order + 1):
-                if k == 1 or self._second(i - 1):
-                    says = f"section {i}: sum {k}"
-                    ends = self._most(i - 1, k) if self.delta and self.format.whole else None
-                    states.append(
-                        State(
-                            name=f"s{k}_{i}", says=says, group=f"section{i}",
-                            least=None if ends is None else -ends, most=ends,
-                        )
-                    )  # fmt: skip
-        if self.keeps_u:
-            states.append(State(name="u", says="the last output"))
-        return tuple(states)
-
-    @property
-    def keeps_u(self) -> bool:
-        """Return whether the output is a state: a rate or a fault asks for it."""
-        return not self.format.whole or self.features.change is not None
-
-    def _second(self, i: int) -> bool:
-        """Return whether section i has a second state."""
-        b, a = self._taken(i)
-        return self.sections[i].order == 2 and bool(b[2] or a[1])
 
     def _step(self, book: Book) -> Routine:
         w, stores = Writer(), []
@@ -134,7 +67,9 @@ class CascadeStep:
                 y = self._inside(w, book, f"y_{i + 1}", y)
             stores += self._next(w, book, i, x, y, total)
             x = y
-        return finished("step", ("r", "y", "ff"), w, stores, v, u, self)
+        return finished(
+            "step", ("r", "y", "ff"), w, stores, v=v, u=u, keeps_u=self.keeps_u, form=self.format
+        )
 
     def _output(self, w: Writer, book: Book, i: int, x: str) -> tuple[str, str]:
         """Write a section's sum and its output."""
@@ -144,13 +79,11 @@ class CascadeStep:
             total = w.add(f"sum_{i + 1}", part, total, f"section {i + 1}", name)
         return total, w.down(f"out_{i + 1}", total, point, f"output of section {i + 1}")
 
-    def _times(
-        self, w: Writer, book: Book, constant: str, name: str, x: str, i: int
-    ) -> str | None:
+    def _times(self, w: Writer, book: Book, constant: str, name: str, x: str, i: int) -> str | None:
         """Write constant x; x itself where it is a 1 that was not written, None where it is 0."""
         if constant in book.coefficients:
             return w.mul(name, constant, x, "", f"section{i + 1}")
-        b, a = self._taken(i)
+        b, a = self.taken(i)
         value = {"b": b, "m": (Fraction(0), *(-c for c in a))}[constant[0]][int(constant[1])]
         return x if value == 1 else None
 
@@ -176,12 +109,12 @@ class CascadeStep:
         n, group, stores = i + 1, f"section{i + 1}", []
         for k in (2, 1):
             state = f"s{k}_{n}"
-            if k == 2 and not self._second(i):
+            if k == 2 and not self.second(i):
                 continue
             parts = [
                 self._times(w, book, f"b{k}_{n}", f"x{k}_{n}", x, i),
                 self._times(w, book, f"m{k}_{n}", f"y{k}_{n}", y, i),
-                f"s2_{n}" if k == 1 and self._second(i) else None,
+                f"s2_{n}" if k == 1 and self.second(i) else None,
                 self._left(w, n, total) if k == 1 and self.format.whole and total else None,
                 state if self.delta else None,
             ]
@@ -197,19 +130,12 @@ class CascadeStep:
         """
         if not (self.delta and self.format.whole):
             return value
-        high, point = self._most(i, k), self.points[f"section{i + 1}"]
+        high, point = self.most(i, k), self.points[f"section{i + 1}"]
         most = book.fixed(f"s{k}_{i + 1}_max", high, f"upper end of sum {k}", point)
         least = book.fixed(f"s{k}_{i + 1}_min", -high, f"lower end of sum {k}", point)
         name, group = f"s{k}_{i + 1}", f"section{i + 1}"
         top = w.atmost(f"{name}_top", value, most, "", group)
         return w.atleast(f"{name}_in", top, least, "the sum in its range", group)
-
-    def _most(self, i: int, k: int) -> int:
-        """Return the end of sum k: one and a half times what it can be at rest."""
-        b, a = self._taken(i)
-        on_x, on_y = (b[0], Fraction(1)) if k == 1 else (b[1], a[0])
-        size = (2 * abs(on_x) + abs(on_y)) * -self.format.least
-        return ceil(size * 3 / 2 * (1 << self.points[f"section{i + 1}"]))
 
     def _left(self, w: Writer, n: int, total: str) -> str | None:
         """Write what the output leaves of a section's sum."""
@@ -236,12 +162,15 @@ class CascadeStep:
             stores += self._held(w, book, i, x, y)
             x = y
         stores += self._held(w, book, len(self.sections) - 1, x, u)
-        return finished("track", ("r", "y", "u_manual"), w, stores, u, u, self, returns=False)
+        return finished(
+            "track", ("r", "y", "u_manual"), w, stores, v=u, u=u, keeps_u=self.keeps_u,
+            form=self.format,
+        )  # fmt: skip
 
     def _settled(self, w: Writer, book: Book, i: int, x: str) -> str:
         """Write a section's output at rest under x."""
-        b, a = self._taken(i)
-        rest = (sum(b) / (1 + sum(a))) if not self.delta else _rest_of_delta(b, a)
+        b, a = self.taken(i)
+        rest = (b[0] + b[1] + b[2]) / (1 + a[0] + a[1]) if not self.delta else _rest_of_delta(b, a)
         point = self.points[f"section{i + 1}"]
         name = book.gain(f"rest_{i + 1}", rest, f"section {i + 1}: gain at rest", point)
         y = w.mul(f"rest_of_{i + 1}", name, x, "", f"section{i + 1}")
@@ -259,7 +188,7 @@ class CascadeStep:
         if (part := self._times(w, book, f"b0_{n}", f"x0_{n}", x, i)) is not None:
             first = w.sub(f"s1_{n}_new", at_point, part, "", group)
         stores = [(f"s1_{n}", first)]
-        if self._second(i):
+        if self.second(i):
             stores.append((f"s2_{n}", self._second_held(w, book, i, x, y)))
         return stores
 
@@ -278,7 +207,7 @@ class CascadeStep:
         w, stores = Writer(), []
         u = bounded(w, book, self.features, "u0")
         for i in range(len(self.sections)):
-            names = [f"s{k}_{i + 1}" for k in (1, 2) if k == 1 or self._second(i)]
+            names = [f"s{k}_{i + 1}" for k in (1, 2) if k == 1 or self.second(i)]
             stores += [(name, ZERO) for name in names]
         last = len(self.sections)
         point = self.points[f"section{last}"]
@@ -287,10 +216,12 @@ class CascadeStep:
             one = book.fixed(f"one_{last}", 1 << point, "1", point)
             s1 = w.mul(f"y_at_point_{last}", one, u, "at its binary point", f"section{last}")
         made = {f"s1_{last}": s1}
-        if self._second(last - 1):
+        if self.second(last - 1):
             made[f"s2_{last}"] = self._second_alone(w, book, last - 1, u)
         stores = [(name, made.get(name, value)) for name, value in stores]
-        return finished("reset", ("u0",), w, stores, u, u, self, returns=False)
+        return finished(
+            "reset", ("u0",), w, stores, v=u, u=u, keeps_u=self.keeps_u, form=self.format
+        )
 
     def _second_alone(self, w: Writer, book: Book, i: int, u: str) -> str:
         n, group, k = i + 1, f"section{i + 1}", 1 if self.delta else 2
@@ -299,21 +230,10 @@ class CascadeStep:
             return on_y or ZERO
         return w.neg(f"s2_{n}_held", on_y, "holds the other sum", group)
 
-    def moved(self, group: str) -> "CascadeStep | None":
-        """Return the same with one binary point a bit lower; None where there is no bit left."""
-        points = dict(self.points)
-        points[group] -= 1
-        return replace(self, points=points) if points[group] >= 0 else None
-
 
 def _written(value: Fraction, whole: bool) -> bool:
     """Return whether a coefficient is written: 0 never, 1 only at a binary point."""
     return value != 0 and (whole or value != 1)
-
-
-def _kept(held: Mapping[str, Fraction], name: str, value: Fraction) -> Fraction:
-    """Return the constant of this name; what needed none is 0 or 1."""
-    return held.get(name, value)
 
 
 def _rest_of_delta(b: Exact, a: Exact) -> Fraction:

@@ -5,8 +5,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from zoh.analysis.results import Margins, StepInfo
+from zoh.errors import SpecError
 from zoh.firmware.book import IO_BITS
 from zoh.firmware.plan import Plan
+from zoh.firmware.roundoff import round_off
 from zoh.firmware.words import float_literal, result_type, state_type
 from zoh.lti.written import fraction
 
@@ -33,7 +35,7 @@ def header(plan: Plan, costs: Sequence[Cost]) -> str:
     comment = "\n".join(f" * {line}".rstrip() for line in lines)
     return (
         f"/*\n{comment}\n */\n#ifndef {guard}\n#define {guard}\n\n#include <stdint.h>\n\n"
-        f"#ifdef __cplusplus\nextern \"C\" {{\n#endif\n\n"
+        f'#ifdef __cplusplus\nextern "C" {{\n#endif\n\n'
         f"#define {name.upper()}_DT {_seconds(plan)} /* s, from call to call of step */\n\n"
         f"typedef struct {{\n{_members(plan)}}} {name}_state;\n\n"
         f"void {name}_init({name}_state *s);\n"
@@ -69,6 +71,7 @@ def _design(plan: Plan) -> list[str]:
         f"design   {_margins(d.margins)}",
         f"as built {_margins(plan.quantised.margins)}",
         *_step(d.step, plan.quantised.step),
+        _rounding(plan),
         *plan.said,
     ]
 
@@ -92,9 +95,20 @@ def _step(design: StepInfo | None, built: StepInfo | None) -> list[str]:
     if design is None or built is None or design.overshoot_pct is None:
         return []
     return [
-        f"step     overshoot {design.overshoot_pct:.5g} % designed, {built.overshoot_pct:.5g} % built; "
-        f"settling {design.settling} designed, {built.settling} built"
+        f"step     designed: overshoot {design.overshoot_pct:.5g} %, settling {design.settling}; "
+        f"built: {built.overshoot_pct:.5g} %, {built.settling}"
     ]
+
+
+def _rounding(plan: Plan) -> str:
+    try:
+        found = round_off(plan)
+    except SpecError as refused:
+        return f"rounding not bounded: {refused}"
+    return (
+        f"rounding moves y by {found.y_bound:.3g} at most (dead band and limit cycles included), "
+        f"as noise by {found.y_noise:.2g}, u by {found.u_noise:.2g}"
+    )
 
 
 def _numbers(plan: Plan) -> list[str]:
@@ -130,8 +144,8 @@ def _limit(name: str, value: Fraction | None) -> str:
 def _use(plan: Plan) -> list[str]:
     n = plan.name
     return [
-        f"use      {n}_init once; {n}_step every dt with reference, measurement and feed-forward (0",
-        f"         if there is none); {n}_track instead, every dt, while somebody else sets u;",
+        f"use      {n}_init once; {n}_step every dt with reference, measurement and a feed-",
+        f"         forward, 0 where there is none; {n}_track instead while another sets u;",
         f"         {n}_selftest is 0 if compiler and processor compute what was verified",
     ]
 

@@ -7,7 +7,7 @@ Names stand for inputs, states, coefficients and earlier lines alike.
     add sub mul neg   a + b, a - b, a b, -a; of floats each is rounded once
     asr low           floor(a / 2^shift), and what that leaves, a mod 2^shift; whole numbers only
     atmost atleast    the smaller, the larger of a and b; a where it is not a number
-    unless            b, but 0 where a and b push the same way (a b > 0)
+    unless            d, but c where a and b push the same way (a b > 0)
 """
 
 from collections.abc import Iterable
@@ -161,9 +161,11 @@ class Writer:
         """Return the larger of a and b."""
         return self._put(name, "atleast", (a, b), says, group)
 
-    def unless(self, name: str, a: str, b: str, says: str = "", group: str = "") -> str:
-        """Return b, or 0 where a and b have the same sign."""
-        return self._put(name, "unless", (a, b), says, group)
+    def unless(
+        self, name: str, a: str, b: str, kept: str, moved: str, says: str = "", group: str = ""
+    ) -> str:
+        """Return ``moved``, or ``kept`` where a and b have the same sign."""
+        return self._put(name, "unless", (a, b, kept, moved), says, group)
 
 
 def used(lines: list[Line], wanted: Iterable[str | None]) -> tuple[Line, ...]:

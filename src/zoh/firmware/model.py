@@ -29,12 +29,12 @@ def _at_least(a: Value, b: Value) -> Value:
     return b if a < b else a
 
 
-def _unless_product(a: Value, b: Value) -> Value:
-    return type(b)(0) if a * b > 0 else b
+def _unless_product(a: Value, b: Value, kept: Value, moved: Value) -> Value:
+    return kept if a * b > 0 else moved
 
 
-def _unless_sign(a: int, b: int) -> int:
-    return 0 if (a > 0 and b > 0) or (a < 0 and b < 0) else b
+def _unless_sign(a: int, b: int, kept: int, moved: int) -> int:
+    return kept if (a > 0 and b > 0) or (a < 0 and b < 0) else moved
 
 
 _OPS: Mapping[str, Callable[..., Value]] = {

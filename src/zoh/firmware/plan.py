@@ -6,27 +6,19 @@ gain that vanishes, a loop that rounding has taken beyond what was asked is an e
 a surprise on a board.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from fractions import Fraction
 from hashlib import sha256
-from math import sqrt
 
 from zoh import checks
-from zoh.analysis.verify import Verified, verify
-from zoh.errors import NotMet, SpecError, ZohError
+from zoh.analysis.verify import Verified
+from zoh.errors import SpecError, ZohError
 from zoh.firmware.asked import Asked, asked
 from zoh.firmware.book import Features, Format
-from zoh.firmware.cascade import CascadeStep
+from zoh.firmware.build import Built, built, candidates
 from zoh.firmware.lines import NUMBERS, Coefficient, Number, Program
-from zoh.firmware.pid import GROUPS, PidStep
-from zoh.firmware.ranges import Overflow, Ranges, proved
-from zoh.firmware.realise import Parallel, from_d, levelled, parallel, sections
+from zoh.firmware.ranges import Ranges
 
-REALISATIONS = ("pid", "cascade", "delta")
 _SAME_DEG = 1e-4  # losses this near to each other do not decide between realisations
-
-Step = PidStep | CascadeStep
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,7 +58,8 @@ class Plan:
     @property
     def pm_loss_deg(self) -> float:
         """Return by how many degrees rounding the coefficients has moved the phase margin."""
-        return _loss(self.design, self.quantised)
+        a, b = self.design.margins.phase_margin_deg, self.quantised.margins.phase_margin_deg
+        return 0.0 if a == b else abs(a - b)
 
     @property
     def sha256(self) -> str:
@@ -133,154 +126,36 @@ def plan(
 
 def _planned(request: Asked, number: Number, before: tuple[str, ...] = ()) -> Plan:
     """Return the plan in one number format, with the realisation that loses the least."""
-    made: list[Plan] = []
+    made: list[Built] = []
     refused: list[tuple[str, ZohError]] = []
-    for name, steps in _candidates(request, number).items():
+    for name, begun in candidates(request, number).items():
         try:
-            made.append(_built(request, name, steps(), before))
+            made.append(built(request, name, begun()))
         except ZohError as error:
             refused.append((name, error))
     if not made:
         raise refused[0][1]
-    least = min(p.pm_loss_deg for p in made)
-    chosen = next(p for p in made if p.pm_loss_deg <= least + _SAME_DEG)
-    losses = [f"{p.realisation} {p.pm_loss_deg:.2g} deg" for p in made]
+    least = min(b.pm_loss_deg for b in made)
+    chosen = next(b for b in made if b.pm_loss_deg <= least + _SAME_DEG)
+    losses = [f"{b.realisation} {b.pm_loss_deg:.2g} deg" for b in made]
     why = f"phase margin lost by rounding: {', '.join(losses)}; built: {chosen.realisation}"
     others = [f"not {name}: {error}" for name, error in refused]
-    return _saying(chosen, (*before, why, *others, *_windup(chosen)))
-
-
-def _saying(plan_: Plan, said: tuple[str, ...]) -> Plan:
-    fields = {f: getattr(plan_, f) for f in Plan.__slots__}
-    return Plan(**{**fields, "said": said})
-
-
-def _candidates(request: Asked, number: Number) -> dict[str, Callable[[], Step]]:
-    """Return what makes each realisation's step, by name."""
-    law = parallel(request.verified.controller)
-    found: dict[str, Callable[[], Step]] = {}
-    if request.realisation in ("auto", "pid"):
-        if law is not None:
-            found["pid"] = lambda: _pid(request, number, law)
-        elif request.realisation == "pid":
-            raise SpecError(
-                "realisation", "must fit the controller, and pid is P, I and one filtered part",
-                "pid", "choose cascade or delta",
-            )  # fmt: skip
-    alone = law is not None and not (law.ki or law.kd) and request.realisation == "auto"
-    if not request.needs_parallel and not alone:  # a gain alone has one form
-        for name in ("cascade", "delta"):
-            if request.realisation in ("auto", name):
-                found[name] = lambda delta=name == "delta": _cascade(request, number, delta)
-    if not found:
-        raise SpecError(
-            request.needs_parallel, "must be left out for a controller in sections",
-            request.verified.law, "it belongs to the parallel form: P, I and one filtered part",
-        )  # fmt: skip
-    return found
-
-
-def _pid(request: Asked, number: Number, law: Parallel) -> PidStep:
-    format_ = request.format(number)
-    features = request.features(format_, integral=bool(law.ki), sections=False, back=_back(law))
-    start = format_.word - 2 if format_.whole else 0
-    return PidStep(
-        law=law, features=features, format=format_, points=dict.fromkeys(GROUPS, start)
-    )  # fmt: skip
-
-
-def _cascade(request: Asked, number: Number, delta: bool) -> CascadeStep:
-    format_ = request.format(number)
-    parts = sections(request.verified.controller)
-    if any(p.a[p.order - 1] == 0 for p in parts[:-1]):
-        raise SpecError(
-            "controller", "must have two integrators at most", len(parts), "there is no use for more"
-        )
-    if format_.whole:
-        parts = levelled(parts)
-    start = format_.word - 2 if format_.whole else 0
-    return CascadeStep(
-        sections=parts, format=format_, delta=delta,
-        features=request.features(format_, integral=False, sections=True, back=Fraction(1)),
-        points={f"section{i}": start for i in range(1, len(parts) + 1)},
-    )  # fmt: skip
-
-
-def _back(law: Parallel) -> Fraction:
-    """Return dt/Tt, Tt = sqrt(Ti Td) or Ti without a derivative; 1 at most.
-
-    Source: K. J. Astrom and T. Hagglund, Advanced PID Control, sec. 3.5.
-    """
-    kp = law.kp - law.ki / 2
-    if kp <= 0 or law.ki <= 0:
-        return Fraction(1)
-    ti = float(kp / law.ki)
-    td = float(law.kd / (law.alpha * kp)) if law.kd > 0 else 0.0
-    return min(Fraction(1), Fraction(1 / (sqrt(ti * td) if td else ti)))
-
-
-def _built(request: Asked, realisation: str, step: Step, before: tuple[str, ...]) -> Plan:
-    """Return the plan of a step, its binary points found, its controller verified again."""
-    step, program, ranges = _fitted(step, request)
-    design = request.verified
-    num, den = step.realised(program)
-    try:
-        quantised = verify(
-            design.plant, from_d(num, den, design.dt), compute_delay=design.compute_delay,
-            requirements=request.eased, reference=design.reference, law=design.law,
-            gains=design.gains, name=design.name,
-        )  # fmt: skip
-    except NotMet as missed:
-        told = tuple(f"rounded to {step.format.number}: {m}" for m in missed.misses)
-        raise NotMet(told, missed.measured) from None
+    step = chosen.step
     return Plan(
-        name=request.name, number=step.format.number, realisation=realisation, dt=design.dt,
-        design=design, quantised=quantised, program=program, ranges=ranges,
-        features=step.features, format=step.format, said=before,
+        name=request.name, number=number, realisation=chosen.realisation, dt=chosen.design.dt,
+        design=chosen.design, quantised=chosen.quantised, program=chosen.program,
+        ranges=chosen.ranges, features=step.features, format=step.format,
+        said=(*before, why, *others, *_windup(chosen)),
     )  # fmt: skip
 
 
-def _fitted(step: Step, request: Asked) -> tuple[Step, Program, Ranges | None]:
-    """Return the step whose binary points are the highest at which no value can overflow."""
-    while True:
-        program = step.program()
-        if not step.format.whole:
-            return step, program, None
-        found = proved(program)
-        if isinstance(found, Ranges):
-            return step, program, found
-        lower: Step | None = step
-        needed = max(found.most, -1 - found.least).bit_length() + 1 - found.word
-        for _ in range(needed if found.group else 0):
-            lower = lower.moved(found.group) if lower else None
-        if lower is None or not found.group:
-            raise _too_large(found, request)
-        step = lower
-
-
-def _too_large(found: Overflow, request: Asked) -> SpecError:
-    limit = (1 << found.word - 1) - 1
-    return SpecError(
-        "u_range",
-        f"must leave room for '{found.name}' ({found.says}), which needs "
-        f"{max(found.most, -found.least) / limit:.3g} times what {found.word} bits hold",
-        request.u_range,
-        "give a wider u_range, a narrower y_range, or choose a longer number",
-    )
-
-
-def _loss(design: Verified, quantised: Verified) -> float:
-    a, b = design.margins.phase_margin_deg, quantised.margins.phase_margin_deg
-    return 0.0 if a == b else abs(a - b)
-
-
-def _windup(made: Plan) -> tuple[str, ...]:
-    how, limited = made.features.anti_windup, made.features.limited
+def _windup(made: Built) -> tuple[str, ...]:
+    how = made.step.features.anti_windup
+    if not made.step.features.limited:
+        return ()
     if how == "tracking" and made.realisation != "pid":
         return ("anti-windup: the last section is told the limited output",)
-    if how == "none" and limited:
-        return ("anti-windup: none",)
-    return (f"anti-windup: {how}",) if limited else ()
+    return (f"anti-windup: {how}",)
 
 
 def _hexes(values: tuple[float | int, ...]) -> list[str]:

@@ -1,10 +1,10 @@
 """No overflow, for all time: the lines read as ranges, and the ranges of the states by induction.
 
-A value is a sum of unknowns, each in a range and with its factor; so what is subtracted from itself
-is 0, and a filter f + alpha (e - f) is seen to stay within its input. Where floor(f/2^k) is taken of
-a state, the state is from then on 2^k floor(f/2^k) + rest. The inputs are any numbers of the
-format. If with the states in their ranges every routine leaves them there, they are there for ever,
-since the first routine of all, reset, needs none of them.
+A value is a sum of unknowns, each in a range and with its factor; so what is subtracted from
+itself is 0, and a filter f + alpha (e - f) is seen to stay within its input. Where floor(f/2^k) is
+taken of a state, the state is from then on 2^k floor(f/2^k) + rest. The inputs are any numbers of
+the format. If with the states in their ranges every routine leaves them there, they are there for
+ever, since the first routine of all, reset, needs none of them.
 Source: R. E. Moore, R. B. Kearfott, M. J. Cloud, Introduction to Interval Analysis, ch. 5; the
 sums of unknowns are affine arithmetic without its rounding (J. Stolfi, L. H. de Figueiredo).
 """
@@ -69,8 +69,7 @@ class _Reading:
 
     def range_of(self, value: _Sum) -> Range:
         ends = [
-            sorted((c * self.ranges[n][0], c * self.ranges[n][1]))
-            for n, c in value.factors.items()
+            sorted((c * self.ranges[n][0], c * self.ranges[n][1])) for n, c in value.factors.items()
         ]
         low = value.constant + sum(e[0] for e in ends)
         return low, value.constant + sum(e[1] for e in ends)
@@ -86,6 +85,9 @@ class _Reading:
             return a.times(-1)
         if line.op in ("asr", "low"):
             return self._shifted(line)
+        if line.op == "unless":
+            ends = [self.range_of(self.values[name]) for name in line.args[2:]]
+            return self.unknown(line.name, (min(e[0] for e in ends), max(e[1] for e in ends)))
         b = self.values[line.args[1]]
         if line.op == "add":
             return a.plus(b)
@@ -97,8 +99,6 @@ class _Reading:
 
     def _chosen(self, line: Line, a: _Sum, b: _Sum) -> _Sum:
         (a0, a1), (b0, b1) = self.range_of(a), self.range_of(b)
-        if line.op == "unless":
-            return self.unknown(line.name, (min(0, b0), max(0, b1)))
         if line.op == "atmost":
             return a if a1 <= b0 else self.unknown(line.name, (min(a0, b0), min(a1, b1)))
         return a if a0 >= b1 else self.unknown(line.name, (max(a0, b0), max(a1, b1)))

@@ -3,7 +3,7 @@
 Everything is in d = z - 1, where a pole near z = 1 is a small number that keeps its digits, and in
 fractions, so that nothing is rounded before a number format rounds it::
 
-    Parallel   D = kp + ki/d + kd d/(d + alpha)        0 < alpha < 2, the pole is at z = 1 - alpha
+    Parallel   D = kp + ki/d + sum kd d/(d + alpha)    0 < alpha < 2, a pole is at z = 1 - alpha
     Section    (b0 d^2 + b1 d + b2)/(d^2 + a1 d + a2)
 
 Source: R. H. Middleton and G. C. Goodwin, Digital Control and Estimation: A Unified Approach
@@ -11,31 +11,33 @@ Source: R. H. Middleton and G. C. Goodwin, Digital Control and Estimation: A Uni
 ch. 8 (PID) and ch. 9 (realisation of digital controllers).
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
-from itertools import zip_longest
-from math import floor, inf, log2
-
-import numpy as np
-import numpy.typing as npt
 
 from zoh.errors import SpecError
+from zoh.firmware.factors import Exact, matched, plus, product, quadratics, value
 from zoh.lti import poly
 from zoh.lti.systems import Sampled
 
-Exact = tuple[Fraction, ...]  # coefficients in d, descending powers
 MOST_SECTIONS = 12
-_GRID = np.expm1(1j * np.geomspace(1e-7, np.pi, 400))  # d on the unit circle, z = 1 near by
+_APART = 1e-3  # of a pole: nearer to each other their parts would all but cancel
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Filter:
+    """kd d/(d + alpha): a difference, filtered; its pole is at z = 1 - alpha."""
+
+    kd: Fraction
+    alpha: Fraction
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Parallel:
-    """kp + ki/d + kd d/(d + alpha); ki or kd is 0 where the part is not there."""
+    """kp + ki/d + the sum of filtered differences; ki is 0 where there is no integral."""
 
     kp: Fraction
     ki: Fraction
-    kd: Fraction
-    alpha: Fraction
+    filters: tuple[Filter, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,14 +60,6 @@ class Section:
         if self.order == 1:
             return (b0, b1 - b0, b2), (a1 - 1, a2)
         return (b0, b1 - 2 * b0, b2 - b1 + b0), (a1 - 2, a2 - a1 + 1)
-
-    @classmethod
-    def from_z(cls, b: Exact, a: Exact, order: int) -> "Section":
-        """Return the section with these coefficients of z^-1."""
-        (b0, b1, b2), (a1, a2) = b, a
-        if order == 1:
-            return cls(b=(b0, b1 + b0, b2), a=(a1 + 1, a2), order=1)
-        return cls(b=(b0, b1 + 2 * b0, b2 + b1 + b0), a=(a1 + 2, a2 + a1 + 1), order=2)
 
 
 def in_d(controller: Sampled) -> tuple[Exact, Exact]:
@@ -98,7 +92,7 @@ def from_d(num: Exact, den: Exact, dt: float) -> Sampled:
             term: Exact = (c * (2 * h) ** i,) + (Fraction(0),) * i
             for _ in range(n - i):
                 term = product(term, (-h, Fraction(1)))
-            total = _sum(total, term)
+            total = plus(total, term)
         parts.append(total)
     unit = max(abs(c) for c in parts[1])
     num_w, den_w = (tuple(float(c / unit) for c in part) for part in parts)
@@ -106,7 +100,10 @@ def from_d(num: Exact, den: Exact, dt: float) -> Sampled:
 
 
 def parallel(controller: Sampled) -> Parallel | None:
-    """Return kp + ki/d + kd d/(d + alpha), None where the controller has another shape.
+    """Return the controller as a sum of parts, None where it has another shape.
+
+    It has this one where its poles are, beside one at z = 1, at most two, real, apart from each
+    other and inside the unit circle.
 
     >>> found = parallel(Sampled(num=[2.0, -1.5], den=[1.0, -1.0], dt=1.0))
     >>> found.kp == 2 and found.ki == Fraction(1, 2)  # 2 + 0.5/(z - 1)
@@ -114,19 +111,33 @@ def parallel(controller: Sampled) -> Parallel | None:
     """
     num, den = in_d(controller)
     integral = len(den) > 1 and den[-1] == 0
-    rest = den[:-1] if integral else den
-    if len(rest) > 2 or (len(rest) == 2 and not 0 < rest[1] < 2):
+    alphas = _real_poles(den[:-1] if integral else den)
+    if alphas is None:
         return None
-    alpha = rest[1] if len(rest) == 2 else Fraction(0)
-    top = (Fraction(0),) * (len(den) - len(num)) + num
-    far = top[0]
-    ki = (num[-1] / rest[-1]) if integral else Fraction(0)
-    # at d = -alpha: the residue of den = d^integral (d + alpha) is -kd alpha
-    kd = Fraction(0)
-    if alpha:
-        residue = _value(top, -alpha) / (-alpha if integral else 1)
-        kd = -residue / alpha
-    return Parallel(kp=far - kd, ki=ki, kd=kd, alpha=alpha)
+    filters, top = [], (Fraction(0),) * (len(den) - len(num)) + num
+    for alpha in alphas:  # the residue at d = -alpha is -kd alpha
+        others = Fraction(1)
+        for other in alphas:
+            others *= other - alpha if other != alpha else 1
+        residue = value(top, -alpha) / (others * (-alpha if integral else 1))
+        filters.append(Filter(kd=-residue / alpha, alpha=alpha))
+    filters = [f for f in filters if f.kd]
+    ki = num[-1] / den[-2] if integral else Fraction(0)
+    return Parallel(kp=top[0] - sum(f.kd for f in filters), ki=ki, filters=tuple(filters))
+
+
+def _real_poles(den: Exact) -> tuple[Fraction, ...] | None:
+    """Return alpha of each pole at d = -alpha, None unless they are as ``parallel`` needs them."""
+    if len(den) > 3:
+        return None
+    if len(den) == 3:
+        found = [-r for r in poly.roots(tuple(float(c) for c in den))]
+        if any(r.imag for r in found) or abs(found[0] - found[1]) < _APART * abs(found[0]):
+            return None
+        alphas = tuple(Fraction(r.real) for r in found)
+    else:
+        alphas = den[1:]
+    return alphas if all(0 < alpha < 2 for alpha in alphas) else None
 
 
 def sections(controller: Sampled) -> tuple[Section, ...]:
@@ -139,8 +150,8 @@ def sections(controller: Sampled) -> tuple[Section, ...]:
     if count > MOST_SECTIONS:
         most = f"must be {2 * MOST_SECTIONS} or lower"
         raise SpecError("order", most, len(den) - 1, "choose a simpler controller")
-    poles, zeros = _quadratics(den), _quadratics(num)
-    pairs = _matched(zeros, poles)
+    poles, zeros = quadratics(den), quadratics(num)
+    pairs = matched(zeros, poles)
     gain = num[0]
     made = []
     for i, (top, bottom) in enumerate(pairs):
@@ -148,56 +159,6 @@ def sections(controller: Sampled) -> tuple[Section, ...]:
         scaled = tuple(c * gain for c in top) if last else top
         made.append(_section(scaled, bottom))
     return tuple(made) or (_section((gain, gain), (Fraction(1), Fraction(1))),)
-
-
-def product(a: Exact, b: Exact) -> Exact:
-    """Return the product of two polynomials."""
-    out = [Fraction(0)] * (len(a) + len(b) - 1)
-    for i, x in enumerate(a):
-        for j, y in enumerate(b):
-            out[i + j] += x * y
-    return tuple(out)
-
-
-def together(parts: tuple[Section, ...]) -> tuple[Exact, Exact]:
-    """Return num and den of sections in series."""
-    num: Exact = (Fraction(1),)
-    den: Exact = (Fraction(1),)
-    for part in parts:
-        n = part.order
-        num = product(num, part.b[: n + 1])
-        den = product(den, (Fraction(1), *part.a[:n]))
-    return num, den
-
-
-def levelled(parts: tuple[Section, ...]) -> tuple[Section, ...]:
-    """Return the same product, powers of two moved so that no section but the last amplifies.
-
-    Up to each of them the gain at every frequency is then 1/2 at most, so that an error of twice
-    full scale passes; what is taken away is given back by the last one.
-    """
-    passed = np.ones(_GRID.shape, complex)
-    moved, owed = [], Fraction(1)
-    for part in parts[:-1]:
-        gain = _on_circle(part)
-        peak = float(np.abs(passed * gain).max())
-        factor = Fraction(2) ** (-2 - floor(log2(peak))) if 0 < peak < inf else Fraction(1)
-        moved.append(replace(part, b=_scaled(part.b, factor)))
-        passed, owed = passed * gain * float(factor), owed / factor
-    last = parts[-1]
-    return (*moved, replace(last, b=_scaled(last.b, owed)))
-
-
-def _scaled(b: tuple[Fraction, Fraction, Fraction], c: Fraction) -> tuple[Fraction, Fraction, Fraction]:
-    return c * b[0], c * b[1], c * b[2]
-
-
-def _on_circle(part: Section) -> npt.NDArray[np.complex128]:
-    b, a = (np.array([float(c) for c in x]) for x in (part.b, (Fraction(1), *part.a)))
-    n = part.order
-    with np.errstate(divide="ignore", invalid="ignore"):
-        found = np.polyval(b[: n + 1], _GRID) / np.polyval(a[: n + 1], _GRID)
-    return np.asarray(found, complex)
 
 
 def _from_w(a: tuple[float, ...], dt: float) -> Exact:
@@ -208,67 +169,8 @@ def _from_w(a: tuple[float, ...], dt: float) -> Exact:
         term: Exact = (Fraction(c) * h**i,) + (Fraction(0),) * (n - i)
         for _ in range(i):
             term = product(term, (Fraction(1), Fraction(2)))
-        total = _sum(total, term)
+        total = plus(total, term)
     return total
-
-
-def _sum(a: Exact, b: Exact) -> Exact:
-    pairs = zip_longest(reversed(a), reversed(b), fillvalue=Fraction(0))
-    return tuple(x + y for x, y in pairs)[::-1]
-
-
-def _value(a: Exact, x: Fraction) -> Fraction:
-    value = Fraction(0)
-    for c in a:
-        value = value * x + c
-    return value
-
-
-def _quadratics(a: Exact) -> list[Exact]:
-    """Return factors of degree 2, and one of degree 1 where there must be, smallest roots last.
-
-    The roots at d = 0 are exact. A pair of real or conjugate roots is put together exactly.
-    """
-    if len(a) <= 3:
-        return [tuple(c / a[0] for c in a)] if len(a) > 1 else []
-    found = poly.roots(tuple(float(c / a[0]) for c in a))
-    real = sorted((r.real for r in found if r.imag == 0), key=abs)
-    factors: list[Exact] = []
-    for r in found:
-        if r.imag > 0:
-            re, im = Fraction(r.real), Fraction(r.imag)
-            factors.append((Fraction(1), -2 * re, re * re + im * im))
-    for i in range(0, len(real), 2):
-        factor: Exact = (Fraction(1),)
-        for root in real[i : i + 2]:
-            factor = product(factor, (Fraction(1), -Fraction(root)))
-        factors.append(factor)
-    return sorted(factors, key=_size, reverse=True)
-
-
-def _size(factor: Exact) -> tuple[float, float]:
-    """Return how far from 0 the roots of a factor are; what has a root there comes first."""
-    n = len(factor) - 1
-    away = float(abs(factor[-1])) ** (1 / n)
-    return away, float(abs(factor[1]))
-
-
-def _matched(zeros: list[Exact], poles: list[Exact]) -> list[tuple[Exact, Exact]]:
-    """Return each pole factor with a zero factor of no higher degree, the nearest that is left."""
-    left, pairs = list(zeros), []
-    for bottom in reversed(poles):  # the slowest choose first
-        spare = sum(len(p) == 3 for p in poles) - sum(len(b) == 3 for _, b in pairs)
-        wanted = sum(len(z) == 3 for z in left)
-        fits = [z for z in left if len(z) <= len(bottom)]
-        if len(bottom) == 3 and wanted == spare and wanted:
-            fits = [z for z in fits if len(z) == 3]
-        if fits:
-            near = min(fits, key=lambda z: abs(_size(z)[0] - _size(bottom)[0]))
-            left.remove(near)
-        else:
-            near = (Fraction(1),)
-        pairs.append((near, bottom))
-    return pairs[::-1]
 
 
 def _section(top: Exact, bottom: Exact) -> Section:

@@ -3,6 +3,8 @@
 It needs nothing but the board: 0 says that compiler and processor compute what was verified.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from zoh.firmware.model import Model
@@ -63,13 +65,15 @@ def _replayed(plan: Plan) -> tuple[list[Sample], list[float], int]:
     return samples, outputs, model.faults
 
 
-def _table(plan: Plan, column: "tuple[float, ...] | list[float]") -> str:
+def _table(plan: Plan, column: Sequence[float]) -> str:
     words = [
         str(int(x)) if plan.program.whole else float_literal(_of(plan, x), plan.number)
         for x in column
     ]
     rows = [", ".join(words[i : i + 6]) for i in range(0, len(words), 6)]
-    return "".join(f"        {row}{',' if i < len(rows) - 1 else ''}\n" for i, row in enumerate(rows))
+    return "".join(
+        f"        {row}{',' if i < len(rows) - 1 else ''}\n" for i, row in enumerate(rows)
+    )
 
 
 def _of(plan: Plan, x: float) -> float:

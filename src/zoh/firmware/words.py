@@ -1,6 +1,6 @@
 """What the C of a number format is called, and how a number is written so that it comes back."""
 
-from math import inf
+from math import isfinite
 
 import numpy as np
 
@@ -28,5 +28,6 @@ def float_literal(value: float, number: Number) -> str:
     """
     text = str(np.float32(value)) if number == "f32" else repr(float(value))
     back = float(np.float32(text)) if number == "f32" else float(text)
-    assert back == value and abs(value) < inf, f"{text} is not {value!r}"
+    assert isfinite(value), value
+    assert back == value, f"{text} is not {value!r}"
     return f"{text}f" if number == "f32" else text
