@@ -33,7 +33,11 @@ if TYPE_CHECKING:
     from zoh.clock import SampleTime, SampleTimes, sample_times
     from zoh.design.sections import SecondOrder, notch
     from zoh.emulation import Emulated, emulate
-    from zoh.errors import AccuracyWarning, Infeasible, NotMet, SpecError, ZohError
+    from zoh.errors import AccuracyWarning, Infeasible, NotMet, SpecError, Unequal, ZohError
+    from zoh.firmware.equality import Equality
+    from zoh.firmware.export import export
+    from zoh.firmware.plan import plan
+    from zoh.firmware.prove import prove
     from zoh.lti.coherence import random_error
     from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
     from zoh.lti.systems import Plant, Sampled
@@ -54,6 +58,7 @@ __all__ = [
     "Certificate",
     "Crossover",
     "Emulated",
+    "Equality",
     "FrequencyResponse",
     "Infeasible",
     "Map",
@@ -75,12 +80,14 @@ __all__ = [
     "TableVerified",
     "TabledLoop",
     "Trace",
+    "Unequal",
     "Verified",
     "ZohError",
     "budget",
     "design",
     "discretise",
     "emulate",
+    "export",
     "lag",
     "law_map",
     "lead",
@@ -94,6 +101,8 @@ __all__ = [
     "pd",
     "pi",
     "pid",
+    "plan",
+    "prove",
     "random_error",
     "response",
     "response_trace",
@@ -130,7 +139,11 @@ _HOMES = {
     "zoh.choice.map": ("Map", "law_map"),
     "zoh.clock": ("SampleTime", "SampleTimes", "sample_times"),
     "zoh.emulation": ("Emulated", "emulate"),
-    "zoh.errors": ("Infeasible", "NotMet", "AccuracyWarning", "SpecError", "ZohError"),
+    "zoh.errors": ("Infeasible", "NotMet", "AccuracyWarning", "SpecError", "Unequal", "ZohError"),
+    "zoh.firmware.equality": ("Equality",),
+    "zoh.firmware.export": ("export",),
+    "zoh.firmware.plan": ("plan",),
+    "zoh.firmware.prove": ("prove",),
     "zoh.lti.coherence": ("random_error",),
     "zoh.lti.frequency_response": ("FrequencyResponse", "TabledLoop"),
     "zoh.lti.systems": ("Plant", "Sampled"),

@@ -1,7 +1,7 @@
 """Two PI controllers written by hand, in C and in Python: what the harness itself is tested with.
 
-u = sat(kp e + i + ff), i <- i + ki e, e = r - y; the float one holds what is not finite. Each has its
-coefficients where a test can find and change them.
+u = sat(kp e + i + ff), i <- i + ki e, e = r - y; the float one holds what is not finite. Each has
+its coefficients where a test can find and change them.
 """
 
 import struct

@@ -28,12 +28,16 @@ Progress = Callable[[int, int, str], None]  # builds done, builds in all, the on
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Subject:
-    """A controller under proof: its C, and what makes its model, set up as init does."""
+    """A controller under proof: its C, and what makes its model, set up as init does.
+
+    sha256  of the plan; empty where there is none
+    """
 
     name: str
     number: Number
     sources: Mapping[str, str]
     begin: Callable[[], Controller]
+    sha256: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,7 +90,8 @@ def compared(
         _watched(running, progress)
         builds = tuple(future.result() for future in running)
     return Equality(
-        name=subject.name, number=subject.number, state_bytes=expected.state_bytes,
+        name=subject.name, number=subject.number, sha256=subject.sha256,
+        state_bytes=expected.state_bytes,
         samples=sum(t.samples for t in trials), loop_samples=loop.samples if loop else 0,
         builds=builds,
     )  # fmt: skip
@@ -126,7 +131,8 @@ def _built(
     if core is None:
         library = toolchain.for_host(level, sources, folder)
         host = Host(library, size)
-        found = tuple(_differences(subject, expected, host, host))
+        lost = tuple(f"{routine} is not in the library" for routine in host.absent(name))
+        found = lost or tuple(_differences(subject, expected, host, host))
         return Build(target=THIS_MACHINE, level=level, differences=(*_fused(library), *found))
     image = elf.read(toolchain.for_core(core, level, name, sources, folder))
     faults = image.faults(name, subject.number, core)

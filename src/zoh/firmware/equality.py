@@ -44,12 +44,14 @@ class Build:
 class Equality:
     """Python model, C on this machine and C on emulated cores, compared bit by bit.
 
+    sha256        of the plan that was proved
     samples       of the trials, outputs and states; loop_samples of the loop with the plant
     state_bytes   of the controller's state, in every build
     """
 
     name: str
     number: str
+    sha256: str
     samples: int
     loop_samples: int
     state_bytes: int
@@ -84,6 +86,7 @@ class Equality:
         return {
             "name": self.name,
             "number": self.number,
+            "sha256": self.sha256,
             "equal": self.holds,
             "samples": self.samples,
             "loop_samples": self.loop_samples,

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from zoh.firmware.harness import END, RUN
+from zoh.firmware.harness import END, ROUTINES, RUN
 from zoh.firmware.trials import Outcome, Trial
 
 
@@ -22,6 +22,11 @@ class Host:
     def state(self) -> bytes:
         """The bytes of the controller's state."""
         return self._state.raw[: self._size]
+
+    def absent(self, name: str) -> tuple[str, ...]:
+        """Return the routines of a controller that the library does not have."""
+        wanted = (f"{name}_{routine}" for routine in ROUTINES)
+        return tuple(w for w in wanted if not hasattr(self._library, w))
 
     def run(self, trial: Trial) -> Outcome:
         """Return what comes out of a trial."""

@@ -16,8 +16,9 @@ from zoh.firmware.c import emit
 from zoh.firmware.closed_loop import Loop
 from zoh.firmware.cores import NAMES, named
 from zoh.firmware.equality import Equality
+from zoh.firmware.export import planned
 from zoh.firmware.model import Model
-from zoh.firmware.plan import Plan, plan
+from zoh.firmware.plan import Plan
 from zoh.firmware.trials import trials
 from zoh.firmware.vectors import hostile
 
@@ -47,7 +48,8 @@ def prove(
     checks.whole("samples", samples, LEAST_SAMPLES, "leave it out")
     found = comparison.compared(
         comparison.Subject(
-            name=made.name, number=made.number, sources=emit(made), begin=lambda: Model(made)
+            name=made.name, number=made.number, sources=emit(made),
+            begin=lambda: Model(made), sha256=made.sha256,
         ),
         trials(made.number, hostile(made, samples)),
         cores=cores, levels=levels, loop=loop_of(made), progress=progress,
@@ -55,16 +57,6 @@ def prove(
     if not found.holds:
         raise Unequal(found.differences, found)
     return found
-
-
-def planned(design: Verified | Plan, number: str | None) -> Plan:
-    """Return the plan of what is a design or a plan already."""
-    if isinstance(design, Plan):
-        if number not in (None, design.number):
-            bound = f"must be the plan's, {design.number}, or be left out"
-            raise SpecError("number", bound, number, "plan the design again with it")
-        return design
-    return plan(design, number="f32" if number is None else number)
 
 
 def loop_of(made: Plan) -> Loop:
