@@ -68,7 +68,7 @@ def run_zig(arguments: Sequence[str], folder: Path) -> None:
     if done.returncode:
         lines = [line for line in done.stderr.splitlines() if "error" in line] or ["no reason said"]
         way_out = "if it is about its cache, ZIG_GLOBAL_CACHE_DIR names a folder it may write to"
-        raise SpecError("prove", "must have a compiler that works", lines[0], way_out)
+        raise SpecError("prove", f"must build it: {lines[0]}", "no image", way_out)
 
 
 def written(folder: Path, texts: Mapping[str, str]) -> None:
