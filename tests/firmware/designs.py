@@ -30,9 +30,7 @@ def design(law):
         return zoh.leadlag(ARM, dt=0.1, wc=1.95, pm_deg=40, dc_gain=100)
     if law == "notched":
         notch = zoh.notch(w0=12.0)
-        return zoh.pid(
-            ARM, dt=0.1, wc=1.95, pm_deg=40, ki=0.85, filter_pole=60.0, sections=[notch]
-        )
+        return zoh.pid(ARM, dt=0.1, wc=1.95, pm_deg=40, ki=0.85, filter_pole=60.0, sections=[notch])
     # a pole at z = 0 beside a zero at infinity, as hand-written controllers have
     given = zoh.Sampled(num=[20.0, -17.0], den=[1.0, -0.4, 0.0], dt=0.1)
     return zoh.verify(ARM, given)
