@@ -7,7 +7,6 @@ from fractions import Fraction as F
 from math import inf, isnan, nan
 
 import mpmath
-import numpy as np
 import pytest
 from designs import LAWS, design, made
 

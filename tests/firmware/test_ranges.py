@@ -1,4 +1,4 @@
-"""The proofs of no overflow: ranges by hand, runs that stay inside, proofs that break when they must."""
+"""The proofs of no overflow: by hand, against runs, and broken on purpose."""
 
 from dataclasses import replace
 
