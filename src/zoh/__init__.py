@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     from zoh.design.sections import SecondOrder, notch
     from zoh.emulation import Emulated, emulate
     from zoh.errors import AccuracyWarning, Infeasible, NotMet, SpecError, ZohError
+    from zoh.firmware.c import emit
+    from zoh.firmware.plan import Plan, plan
     from zoh.lti.coherence import random_error
     from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
     from zoh.lti.systems import Plant, Sampled
@@ -60,6 +62,7 @@ __all__ = [
     "Margins",
     "Measured",
     "NotMet",
+    "Plan",
     "Plant",
     "Proof",
     "Requirements",
@@ -80,6 +83,7 @@ __all__ = [
     "budget",
     "design",
     "discretise",
+    "emit",
     "emulate",
     "lag",
     "law_map",
@@ -94,6 +98,7 @@ __all__ = [
     "pd",
     "pi",
     "pid",
+    "plan",
     "random_error",
     "response",
     "response_trace",
@@ -131,6 +136,8 @@ _HOMES = {
     "zoh.clock": ("SampleTime", "SampleTimes", "sample_times"),
     "zoh.emulation": ("Emulated", "emulate"),
     "zoh.errors": ("Infeasible", "NotMet", "AccuracyWarning", "SpecError", "ZohError"),
+    "zoh.firmware.c": ("emit",),
+    "zoh.firmware.plan": ("Plan", "plan"),
     "zoh.lti.coherence": ("random_error",),
     "zoh.lti.frequency_response": ("FrequencyResponse", "TabledLoop"),
     "zoh.lti.systems": ("Plant", "Sampled"),
@@ -145,6 +152,7 @@ _ROOMS = (
     "checks",
     "emulation",
     "errors",
+    "firmware",
     "lti",
     "pipeline",
     "sampling",
