@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from zoh.errors import AccuracyWarning, Infeasible, NotMet, SpecError, Unequal, ZohError
     from zoh.firmware.equality import Equality
     from zoh.firmware.export import export
-    from zoh.firmware.plan import plan
+    from zoh.firmware.plan import Plan, plan
     from zoh.firmware.prove import prove
     from zoh.lti.coherence import random_error
     from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
@@ -65,6 +65,7 @@ __all__ = [
     "Margins",
     "Measured",
     "NotMet",
+    "Plan",
     "Plant",
     "Proof",
     "Requirements",
@@ -142,7 +143,7 @@ _HOMES = {
     "zoh.errors": ("Infeasible", "NotMet", "AccuracyWarning", "SpecError", "Unequal", "ZohError"),
     "zoh.firmware.equality": ("Equality",),
     "zoh.firmware.export": ("export",),
-    "zoh.firmware.plan": ("plan",),
+    "zoh.firmware.plan": ("Plan", "plan"),
     "zoh.firmware.prove": ("prove",),
     "zoh.lti.coherence": ("random_error",),
     "zoh.lti.frequency_response": ("FrequencyResponse", "TabledLoop"),
@@ -158,6 +159,7 @@ _ROOMS = (
     "checks",
     "emulation",
     "errors",
+    "firmware",
     "lti",
     "pipeline",
     "sampling",

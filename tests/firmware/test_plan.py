@@ -1,4 +1,4 @@
-"""Plans: what is chosen, what is refused and in which words, and the loop that is verified again."""
+"""Plans: what is chosen, what is refused in which words, and the loop verified again."""
 
 import pytest
 from designs import ARM, LAWS, design, made
@@ -16,9 +16,8 @@ def test_the_lines_are_the_controller(law, number, realisation):
     """The transfer function read from the lines, at frequencies all over the band."""
     try:
         found = made(law, number, realisation=realisation)
-    except zoh.SpecError as refused:
+    except zoh.SpecError:  # test_word_lengths_are_said_where_they_do_not_suffice
         assert (law, number, realisation) == ("leadlag", "q15", "delta")
-        assert "must hold m2_1" in str(refused)
         return
     controller = found.design.controller
     # of the gain: what the longest rounded coefficients move it by; q15 words hold some 10 bits

@@ -1,4 +1,4 @@
-"""The bound on what rounding does, against loops that are run: the model beside exact arithmetic."""
+"""The bound on what rounding does, against loops that are run: the model beside doubles."""
 
 import numpy as np
 import pytest
@@ -79,7 +79,7 @@ def test_rest_is_a_limit_cycle_within_the_bound(law):
 
 
 def test_noise_is_as_large_as_said():
-    """With a reference that never rests the errors are as good as random: the spread is the figure."""
+    """With a reference that never rests the errors are as good as random."""
     made_ = made("pid", "q15", u_min=-120.0, u_max=120.0)
     numbers = chance(4)
     y, true = run(made_, [(next(numbers) / 2**31 - 1) * 0.3 for _ in range(6000)])
