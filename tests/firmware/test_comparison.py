@@ -158,3 +158,16 @@ def test_floats_in_software_on_a_core_that_has_them_in_hardware_are_seen():
 def test_a_routine_that_is_lost_is_seen():
     found = compared(whole_pi(lambda text: text.replace("pi_selftest", "pi_other")))
     assert any("pi_selftest is not in the image" in d for d in found.differences)
+
+
+def test_a_core_that_stops_is_a_difference():
+    def wild(text):
+        return text.replace("s->i = held(s->i + ki * e);", "*(volatile int32_t *)0x90000000 = e;")
+
+    def on_the_core(text):
+        own = wild(text)
+        return f"#ifdef __arm__\n{own}\n#else\n{text}\n#endif\n"
+
+    found = compared(whole_pi(on_the_core))
+    assert any("the core stops: " in d for d in found.differences)
+    assert found.builds[0].differences == ()

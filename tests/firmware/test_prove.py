@@ -118,6 +118,8 @@ def test_a_request_that_is_malformed_is_named():
         prove(made("p", "f32"), targets="cortex-m3")
     with pytest.raises(zoh.SpecError, match="levels must be of O2, Os"):
         prove(made("p", "f32"), levels=["O3"])
+    with pytest.raises(zoh.SpecError, match="levels must be of O2, Os"):
+        prove(made("p", "f32"), levels=[])  # nothing built is nothing proved
     with pytest.raises(zoh.SpecError, match="samples must be"):
         prove(made("p", "f32"), samples=100)
     with pytest.raises(zoh.SpecError, match="number must be the plan's, f32"):

@@ -140,7 +140,11 @@ def _built(
         return Build(target=core.title, level=level, differences=faults)
     counting = Emulated(core, image, name, size)
     counts = counting.counted(counter)
-    found = tuple(_differences(subject, expected, Emulated(core, image, name, size), counting))
+    machine = Emulated(core, image, name, size)
+    try:
+        found = tuple(_differences(subject, expected, machine, counting))
+    except toolchain.package("unicorn").UcError as stopped:
+        found = (f"the core stops: {stopped}",)
     return Build(
         target=core.title, level=level, instructions=_instructions(counts),
         code_bytes=image.code_bytes(name), step_bytes=image.step_bytes(name),

@@ -59,8 +59,8 @@ class Equality:
 
     @property
     def holds(self) -> bool:
-        """Return whether no bit differs in any build."""
-        return not self.differences
+        """Return whether there are builds, and no bit differs in any."""
+        return bool(self.builds) and not self.differences
 
     @property
     def differences(self) -> tuple[str, ...]:

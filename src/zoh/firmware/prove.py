@@ -42,9 +42,8 @@ def prove(
     """
     made = planned(design, number)
     cores = named(targets)
-    for level in levels:
-        if level not in toolchain.LEVELS:
-            raise SpecError("levels", "must be of O2, Os", level, "choose of these")
+    if not levels or any(level not in toolchain.LEVELS for level in levels):
+        raise SpecError("levels", "must be of O2, Os", levels, 'such as ["O2"]')
     checks.whole("samples", samples, LEAST_SAMPLES, "leave it out")
     found = comparison.compared(
         comparison.Subject(
