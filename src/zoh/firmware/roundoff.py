@@ -21,10 +21,13 @@ import numpy as np
 import numpy.typing as npt
 
 from zoh.analysis.realised import realised
+from zoh.analysis.verify import Verified
 from zoh.errors import SpecError
+from zoh.firmware.asked import Design
 from zoh.firmware.linear import READ, Row, left, rows
 from zoh.firmware.lines import Program
 from zoh.firmware.plan import Plan
+from zoh.lti.frequency_response import FrequencyResponse
 
 Array = npt.NDArray[np.float64]
 _BLOCK = 256  # samples whose responses are taken together
@@ -51,7 +54,8 @@ class RoundOff:
 def round_off(plan: Plan) -> RoundOff:
     """Return what rounding does to the plan's loop.
 
-    Raises SpecError where the loop has too long a memory to be followed.
+    Raises SpecError for a design on a table, which shows no motion, and where the loop has too
+    long a memory to be followed.
 
     >>> import zoh
     >>> from zoh.firmware.plan import plan
@@ -140,7 +144,7 @@ class _Loop:
         n = len(self.a)
         held = np.zeros((n + 1, n + 1))  # the reference is a state that stays
         held[:n, :n], held[:n, n], held[n, n] = self.a, self.reference, 1.0
-        state, peaks = np.append(np.zeros(n), self.plan.design.reference), 0.0
+        state, peaks = np.append(np.zeros(n), _reference(self.plan.design)), 0.0
         stacked, power = _stacked(self.values, held)
         for _ in range(_MOST_BLOCKS):
             seen = np.abs(stacked @ state).max(axis=0)
@@ -185,9 +189,16 @@ def _errors(program: Program) -> dict[str, str]:
     return {x.name: f"error of {x.name}" for x in rounding if not x.name.startswith("guard")}
 
 
+def _reference(design: Design) -> float:
+    assert isinstance(design, Verified)  # as _plant has asked for
+    return design.reference
+
+
 def _plant(plan: Plan) -> tuple[Array, Array, Array, float]:
     """Return the sampled plant from steps of u to steps of y as (A, B, C, D), delays as states."""
     sampled = plan.design.sampled
+    if isinstance(sampled, FrequencyResponse):
+        raise SpecError("plan", "must rest on a model", "a table", "fit a model to the table")
     if sampled.delay > _MOST_DELAY:
         raise SpecError(
             "plan", f"must have {_MOST_DELAY} samples of delay or fewer", sampled.delay,
