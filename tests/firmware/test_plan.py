@@ -1,5 +1,6 @@
 """Plans: what is chosen, what is refused in which words, and the loop verified again."""
 
+import numpy as np
 import pytest
 from designs import ARM, LAWS, design, made
 
@@ -188,3 +189,17 @@ def test_a_plan_is_made_in_well_under_a_second():
     start = perf_counter()
     made("notched", "q31", rate=100.0, u_max=11.5)
     assert perf_counter() - start < 1.0
+
+
+def test_a_design_on_a_table_is_verified_again_on_the_table():
+    w = np.geomspace(0.05, 31.0, 400)
+    table = zoh.FrequencyResponse.from_complex(w=w, gain=zoh.sample(ARM, 0.1).at(w), dt=0.1)
+    d = zoh.pid(table, dt=0.1, wc=1.95, pm_deg=40, ki=0.85)
+    found = plan(d, number="q15", u_min=-12, u_max=12, y_range=(-12, 12))
+    assert isinstance(found.quantised, zoh.TableVerified)
+    # the table's curve between its points is near the model's
+    assert found.pm_loss_deg == pytest.approx(made("pid", "q15").pm_loss_deg, rel=0.01)
+    header = zoh.emit(found)["controller.h"]
+    assert "a table of 400 measured points, 0.05 to 31 rad/s" in header
+    assert "rounding not bounded: plan must rest on a model" in header
+    assert found.sha256 != made("pid", "q15", name="controller").sha256

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import zoh
+from zoh.analysis.tabled.verify import TableMeasured, TableVerified, table_verified
 from zoh.analysis.verify import Measured, Verified, verified
 from zoh.app.commands import Entry, design_all
 from zoh.app.project import Project
@@ -76,13 +77,11 @@ def _exported(
 ) -> Exported:
     if entry.failure is not None:
         return Exported(entry=entry, failure=entry.failure)
-    if not isinstance(entry.measured, Measured):
-        way_out = "fit a model to the table and design on it"
-        raise SpecError("plant", "must be a model, for firmware", "a table", way_out)
+    assert entry.measured is not None  # else there is a failure
     made: Plan | None = None
     said: tuple[str, ...] = ()
     try:
-        design = verified(entry.measured)
+        design = _verified(entry.measured)
         y_range, u_range, said = _ranges(project, design, number)
         with within(f'controller "{entry.name}": '):
             made = plan(
@@ -98,32 +97,41 @@ def _exported(
     return Exported(entry=entry, plan=made, proof=proof, said=said)
 
 
+def _verified(evidence: Measured | TableMeasured) -> Verified | TableVerified:
+    if isinstance(evidence, TableMeasured):
+        return table_verified(evidence)
+    return verified(evidence)
+
+
 def _ranges(
-    project: Project, design: Verified, number: str
+    project: Project, design: Verified | TableVerified, number: str
 ) -> tuple[Range | None, Range | None, tuple[str, ...]]:
     """Return what whole numbers span: as the file says, else with room around the step."""
     if number not in (*IO_BITS, "auto"):
         return None, None, ()
     said = []
     sensor, ends = project.sensor, project.actuator
+    step = None if isinstance(design, TableVerified) else design.step
     if sensor.low is not None and sensor.high is not None:
         y_range = (sensor.low, sensor.high)
+    elif step is None:
+        raise _missing("sensor.range")
     else:
-        y_range = _around(design.reference, *_peaks(design))
+        between = step.between_samples or step
+        y_range = _around(project.reference, step.peak, between.peak)
         said.append(f"[sensor] has no range: y spans {_shown(y_range)}, {_ROOM:g} times the step")
     if ends.low is not None and ends.high is not None:
         return y_range, None, tuple(said)
-    effort = None if design.step is None else design.step.peak_effort
-    u_range = _around(effort, ends.low, ends.high)
+    if step is None:
+        raise _missing("actuator.min and actuator.max")
+    u_range = _around(step.peak_effort, ends.low, ends.high)
     said.append(f"[actuator] has no two ends: u spans {_shown(u_range)}, {_ROOM:g} times its peak")
     return y_range, u_range, tuple(said)
 
 
-def _peaks(design: Verified) -> tuple[float | None, ...]:
-    step = design.step
-    if step is None:
-        return ()
-    return step.peak, None if step.between_samples is None else step.between_samples.peak
+def _missing(keys: str) -> SpecError:
+    way_out = "a table of measurements has no step that could say what whole numbers must span"
+    return SpecError(keys, "must be given", "nothing", way_out)
 
 
 def _around(*values: float | None) -> Range:

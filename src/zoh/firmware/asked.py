@@ -6,12 +6,14 @@ from re import fullmatch
 from typing import Literal
 
 from zoh import checks
+from zoh.analysis.tabled.verify import TableVerified
 from zoh.analysis.verify import Verified
 from zoh.errors import SpecError
 from zoh.firmware.book import IO_BITS, Features, Format
 from zoh.firmware.lines import NUMBERS, Number
 from zoh.spec import Requirements
 
+Design = Verified | TableVerified  # verified on a model, or on a table
 WINDUPS = ("auto", "conditional", "back_calculation", "tracking", "none")
 REALISATIONS = ("auto", "pid", "cascade", "delta")
 _ROUNDED = (
@@ -30,7 +32,7 @@ _KEYWORDS = (
 class Asked:
     """A request whose every value is in range."""
 
-    verified: Verified
+    verified: Design
     name: str
     number: Number | Literal["auto"]
     u_min: float | None
@@ -112,7 +114,7 @@ def asked(
     y_range: object, u_range: object, realisation: object,
 ) -> Asked:  # fmt: skip
     """Return the request, checked; raise SpecError."""
-    if not isinstance(verified, Verified):
+    if not isinstance(verified, Verified | TableVerified):
         raise SpecError(
             "verified", "must be a verified design", verified, "zoh.pid(...) or zoh.verify(...)"
         )

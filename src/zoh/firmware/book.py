@@ -156,13 +156,19 @@ def limited(w: Writer, book: Book, features: Features, v: str) -> str:
 
 
 def bounded(w: Writer, book: Book, features: Features, v: str) -> str:
-    """Write the limits of the output; return what is left of v."""
+    """Write the limits of the output; return what is left of v.
+
+    An input of the type needs no limit at the type's ends.
+    """
+    typed = book.format.whole and v in ("u_manual", "u0")
     if features.u_max is not None:
         most = book.bound("u_max", features.u_max, "upper limit of u", up=False)
-        v = w.atmost("u_top", v, most, "not above the upper limit")
+        if not (typed and book.coefficients[most].value == book.format.most):
+            v = w.atmost("u_top", v, most, "not above the upper limit")
     if features.u_min is not None:
         least = book.bound("u_min", features.u_min, "lower limit of u", up=True)
-        v = w.atleast("u_new", v, least, "not below the lower limit")
+        if not (typed and book.coefficients[least].value == book.format.least):
+            v = w.atleast("u_new", v, least, "not below the lower limit")
     return v
 
 

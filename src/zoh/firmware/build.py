@@ -6,9 +6,10 @@ from fractions import Fraction
 from functools import partial
 from math import sqrt
 
-from zoh.analysis.verify import Verified, verify
+from zoh.analysis.tabled.verify import TableVerified, verify_table
+from zoh.analysis.verify import verify
 from zoh.errors import NotMet, SpecError
-from zoh.firmware.asked import Asked
+from zoh.firmware.asked import Asked, Design
 from zoh.firmware.cascade import CascadeStep
 from zoh.firmware.levels import levelled
 from zoh.firmware.linear import transfer
@@ -16,6 +17,7 @@ from zoh.firmware.lines import Number, Program
 from zoh.firmware.pid import PidStep
 from zoh.firmware.ranges import Overflow, Ranges, proved
 from zoh.firmware.realise import Parallel, from_d, parallel, sections
+from zoh.lti.systems import Sampled
 
 Step = PidStep | CascadeStep
 
@@ -28,8 +30,8 @@ class Built:
     step: Step
     program: Program
     ranges: Ranges | None
-    design: Verified
-    quantised: Verified
+    design: Design
+    quantised: Design
 
     @property
     def pm_loss_deg(self) -> float:
@@ -106,19 +108,29 @@ def built(request: Asked, realisation: str, step: Step) -> Built:
     step, program, ranges = _fitted(step, request)
     design = request.verified
     num, den = transfer(program)
-    num = tuple(c / step.format.gain for c in num)
     try:
-        quantised = verify(
-            design.plant, from_d(num, den, design.dt), compute_delay=design.compute_delay,
-            requirements=request.eased, reference=design.reference, law=design.law,
-            gains=design.gains, name=design.name,
-        )  # fmt: skip
+        controller = from_d(tuple(c / step.format.gain for c in num), den, design.dt)
+        quantised = _verified_again(request, controller)
     except NotMet as missed:
         told = tuple(f"rounded to {step.format.number}: {m}" for m in missed.misses)
         raise NotMet(told, missed.measured) from None
     return Built(
         realisation=realisation, step=step, program=program, ranges=ranges, design=design,
         quantised=quantised,
+    )  # fmt: skip
+
+
+def _verified_again(request: Asked, controller: Sampled) -> Design:
+    """Return the loop of another controller, verified as the design was, on its model or table."""
+    d, asked = request.verified, request.eased
+    if isinstance(d, TableVerified):
+        return verify_table(
+            d.plant, controller, compute_delay=d.compute_delay, requirements=asked, law=d.law,
+            gains=d.gains, name=d.name,
+        )  # fmt: skip
+    return verify(
+        d.plant, controller, compute_delay=d.compute_delay, requirements=asked,
+        reference=d.reference, law=d.law, gains=d.gains, name=d.name,
     )  # fmt: skip
 
 

@@ -101,7 +101,7 @@ class _Source:
         if isinstance(c.value, float):
             text, exact = float_literal(c.value, self.plan.number), c.value.hex()
         else:
-            text = f"{c.value}{'LL' if kind == 'int64_t' else ''}"
+            text = _whole_literal(c.value, "LL" if kind == "int64_t" else "")
             exact = f"{c.value / 2**c.point:.9g} 2^{c.point}" if c.point else f"{c.value}"
         return f"static const {kind} {self.name}_{c.name} = {text}; /* {exact}: {c.says} */\n"
 
@@ -218,6 +218,13 @@ class _Source:
         else:
             word = f"s->{name}" if name in self.states else name
         return word if own == kind else f"({kind}){word}"
+
+
+def _whole_literal(value: int, suffix: str) -> str:
+    """Return a literal; the least of a type is no literal of that type in C, but a difference."""
+    if value in (-(2**31), -(2**63)):
+        return f"(-{-value - 1}{suffix} - 1)"
+    return f"{value}{suffix}"
 
 
 def _cast(text: str, own: str, kind: str) -> str:

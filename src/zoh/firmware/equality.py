@@ -97,9 +97,10 @@ class Equality:
     def report(self) -> str:
         """Return the result as a table of lines."""
         verdict = "0 bits differ" if self.holds else f"{len(self.differences)} DIFFERENCES"
+        looped = f" and {self.loop_samples} in the loop" if self.loop_samples else ""
         head = (
-            f"{self.name} ({self.number}): {verdict}; {self.samples} samples and "
-            f"{self.loop_samples} in the loop on each build; {self.state_bytes} bytes of state"
+            f"{self.name} ({self.number}): {verdict}; {self.samples} samples{looped} on each "
+            f"build; {self.state_bytes} bytes of state"
         )
         columns = f"{'build':<16}{'instructions a sample':>24}{'code':>8}{'step':>7}{'stack':>7}"
         return "\n".join([head, columns, *map(_row, self.builds), *self.differences])

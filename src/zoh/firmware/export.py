@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from zoh.analysis.verify import Verified
 from zoh.errors import SpecError
+from zoh.firmware.asked import Design
 from zoh.firmware.c import emit
 from zoh.firmware.equality import Equality
 from zoh.firmware.plan import Plan
@@ -15,7 +15,7 @@ TARGETS = ("c",)
 
 
 def export(
-    design: Verified | Plan, *, target: str = "c", number: str | None = None,
+    design: Design | Plan, *, target: str = "c", number: str | None = None,
     proof: Equality | None = None,
 ) -> dict[str, str]:  # fmt: skip
     """Return the firmware of a design as {file name: text}; nothing is written.
@@ -47,7 +47,7 @@ def texts(
     return {**files, "README.md": readme(plans, proofs)}
 
 
-def planned(design: Verified | Plan, number: str | None) -> Plan:
+def planned(design: Design | Plan, number: str | None) -> Plan:
     """Return the plan of what is a design, or a plan already."""
     if isinstance(design, Plan):
         if number not in (None, design.number):

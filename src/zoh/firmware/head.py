@@ -5,11 +5,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from zoh.analysis.results import Margins, StepInfo
+from zoh.analysis.tabled.results import TableMargins
 from zoh.errors import SpecError
 from zoh.firmware.book import IO_BITS
 from zoh.firmware.plan import Plan
 from zoh.firmware.roundoff import round_off
 from zoh.firmware.words import float_literal, result_type, state_type
+from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.written import fraction
 
 
@@ -78,12 +80,15 @@ def _design(plan: Plan) -> list[str]:
 
 def _written(plan: Plan) -> str:
     plant = plan.design.plant
+    if isinstance(plant, FrequencyResponse):
+        low, high = plant.band
+        return f"a table of {len(plant.w)} measured points, {low:.6g} to {high:.6g} rad/s"
     text = fraction(plant.num, plant.den, "s")
     text += f", dead time {plant.dead_time:.9g} s" if plant.dead_time else ""
     return text + (f", sensor {plant.sensor:.9g}" if plant.sensor != 1 else "")
 
 
-def _margins(m: Margins) -> str:
+def _margins(m: Margins | TableMargins) -> str:
     wc = "no crossover" if m.crossover is None else f"at {m.crossover:.6g} rad/s"
     return (
         f"phase margin {m.phase_margin_deg:.6g} deg {wc}, gain margin {m.gain_margin_db:.4g} dB, "

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 from hashlib import sha256
 
 from zoh import checks
-from zoh.analysis.verify import Verified
 from zoh.errors import SpecError, ZohError
-from zoh.firmware.asked import Asked, asked
+from zoh.firmware.asked import Asked, Design, asked
 from zoh.firmware.book import Features, Format
 from zoh.firmware.build import Built, built, candidates
 from zoh.firmware.lines import NUMBERS, Coefficient, Number, Program
 from zoh.firmware.ranges import Ranges
+from zoh.lti.frequency_response import FrequencyResponse
 
 _SAME_DEG = 1e-4  # losses this near to each other do not decide between realisations
 
@@ -42,8 +42,8 @@ class Plan:
     number: Number
     realisation: str
     dt: float
-    design: Verified
-    quantised: Verified
+    design: Design
+    quantised: Design
     program: Program
     ranges: Ranges | None
     features: Features
@@ -64,16 +64,16 @@ class Plan:
     @property
     def sha256(self) -> str:
         """Return the hash of plant, design and coefficients."""
-        plant, law = self.design.plant, self.design.controller
+        law = self.design.controller
         parts: list[object] = [self.name, self.number, self.realisation, self.features, self.format]
-        parts += [_hexes(a) for a in (plant.num, plant.den, (plant.dead_time, plant.sensor))]
+        parts += _plant_of(self.design)
         parts += [_hexes(a) for a in (law.num_w, law.den_w, (law.dt, self.design.compute_delay))]
         parts += [(c.name, _hexes((c.value,)), c.point) for c in self.coefficients]
         return sha256(repr(parts).encode()).hexdigest()
 
 
 def plan(
-    verified: Verified, *, name: str = "controller", number: str = "f32",
+    verified: Design, *, name: str = "controller", number: str = "f32",
     u_min: float | None = None, u_max: float | None = None, rate: float | None = None,
     anti_windup: str = "auto", setpoint_weight: float = 1.0, derivative_weight: float = 1.0,
     y_range: tuple[float, float] | None = None, u_range: tuple[float, float] | None = None,
@@ -156,6 +156,15 @@ def _windup(made: Built) -> tuple[str, ...]:
     if how == "tracking" and made.realisation != "pid":
         return ("anti-windup: the last section is told the limited output",)
     return (f"anti-windup: {how}",)
+
+
+def _plant_of(design: Design) -> list[object]:
+    """Return what tells one plant from another."""
+    plant = design.plant
+    if isinstance(plant, FrequencyResponse):
+        columns = (plant.w, plant.magnitude, plant.phase_deg)
+        return [sha256(a.astype("<f8").tobytes()).hexdigest() for a in columns]
+    return [_hexes(a) for a in (plant.num, plant.den, (plant.dead_time, plant.sensor))]
 
 
 def _hexes(values: tuple[float | int, ...]) -> list[str]:

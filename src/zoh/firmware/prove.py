@@ -9,9 +9,10 @@ with the plant. A proof by trial is as good as its samples: ``vectors`` and ``tr
 from collections.abc import Sequence
 
 from zoh import checks
-from zoh.analysis.verify import Verified
+from zoh.analysis.tabled.verify import TableVerified
 from zoh.errors import SpecError, Unequal
 from zoh.firmware import comparison, toolchain
+from zoh.firmware.asked import Design
 from zoh.firmware.c import emit
 from zoh.firmware.closed_loop import Loop
 from zoh.firmware.cores import NAMES, named
@@ -26,7 +27,7 @@ LEAST_SAMPLES, LOOP_SAMPLES = 20_000, 1_000
 
 
 def prove(
-    design: Verified | Plan, *, number: str | None = None, targets: Sequence[str] = NAMES,
+    design: Design | Plan, *, number: str | None = None, targets: Sequence[str] = NAMES,
     levels: Sequence[str] = toolchain.LEVELS, samples: int = LEAST_SAMPLES,
     progress: comparison.Progress | None = None,
 ) -> Equality:  # fmt: skip
@@ -58,12 +59,16 @@ def prove(
     return found
 
 
-def loop_of(made: Plan) -> Loop:
-    """Return the loop of a plan, with the reference of the design or a quarter of y's range."""
-    reference = made.design.reference
+def loop_of(made: Plan) -> Loop | None:
+    """Return the loop of a plan, with the reference of the design or a quarter of y's range.
+
+    None for a design on a table, which shows no motion.
+    """
+    design = made.design
+    if isinstance(design, TableVerified):
+        return None
+    reference = design.reference
     if made.format.whole:
         quarter = float(made.format.most * made.format.y_unit) / 4
         reference = min(quarter, max(-quarter, reference))
-    return Loop(
-        plant=made.design.sampled, format=made.format, reference=reference, samples=LOOP_SAMPLES
-    )
+    return Loop(plant=design.sampled, format=made.format, reference=reference, samples=LOOP_SAMPLES)

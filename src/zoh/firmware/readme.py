@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from zoh.analysis.results import Margins
+from zoh.analysis.tabled.results import TableMargins
 from zoh.firmware.book import IO_BITS
 from zoh.firmware.equality import Equality
 from zoh.firmware.plan import Plan
@@ -82,7 +83,7 @@ def _units(plan: Plan) -> list[str]:
     ]
 
 
-def _margins(label: str, m: Margins) -> str:
+def _margins(label: str, m: Margins | TableMargins) -> str:
     wc = "-" if m.crossover is None else f"{m.crossover:.7g}"
     return f"| {label} | {m.phase_margin_deg:.7g} | {wc} | {m.gain_margin_db:.5g} | {m.ms:.6g} |"
 
@@ -90,6 +91,7 @@ def _margins(label: str, m: Margins) -> str:
 def _proof(proof: Equality | None) -> list[str]:
     if proof is None:
         return ["Equality with the model: not proved here; `zoh export --prove` does.\n"]
+    looped = f", {proof.loop_samples} in the loop with the plant" if proof.loop_samples else ""
     rows = [
         f"| {b.target} | -{b.level} | {b.instructions[0]} | {b.instructions[1]:.1f} "
         f"| {b.instructions[2]} | {b.code_bytes} | {b.stack_bytes} |"
@@ -98,8 +100,8 @@ def _proof(proof: Equality | None) -> list[str]:
     ]
     return [
         f"Equal to the model bit for bit in {len(proof.builds)} builds, on the machine that proved "
-        f"it and on emulated cores: {proof.samples} samples with all states, and "
-        f"{proof.loop_samples} in the loop with the plant. {proof.state_bytes} bytes of state. "
+        f"it and on emulated cores: {proof.samples} samples with all states{looped}. "
+        f"{proof.state_bytes} bytes of state. "
         "Instructions are those executed in a step; code is with constants and arithmetic in "
         "software, without the self-test; bytes.\n",
         "| core | level | least | mean | most | code | stack |",
