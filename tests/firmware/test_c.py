@@ -29,7 +29,7 @@ FEATURES = {
 }
 CASES = [(law, "plain", SAMPLES) for law in LAWS]
 CASES += [("pid_filtered", name, 4000) for name in FEATURES if name != "plain"]
-CASES += [("leadlag", "cascade", 4000), ("notched", "delta", 4000), ("notched", "none", 4000)]
+CASES += [("lead", "cascade", 4000), ("notched", "delta", 4000), ("notched", "none", 4000)]
 SHAPES = [("pid_filtered", name) for name in FEATURES]
 SHAPES += [("p", "plain"), ("leadlag", "plain"), ("notched", "plain"), ("notched", "delta")]
 

@@ -41,10 +41,8 @@ class CascadeShape:
         gain = self.format.gain if i == len(self.sections) - 1 else Fraction(1)
         return tuple(c * gain for c in b), a
 
-    def rounded(self, value: Fraction, point: int) -> Fraction:
-        """Return a2 of an integrating section so that -1 - a2 is held exactly too."""
-        if self.format.whole:
-            return Fraction(round(value * (1 << point)), 1 << point)
+    def rounded(self, value: Fraction) -> Fraction:
+        """Return a2 of an integrating section in floats so that -1 - a2 is held exactly too."""
         bits = 23 if self.format.number == "f32" else 52  # 1 + a2 is below 2
         return Fraction(round(value * (1 << bits)), 1 << bits)
 

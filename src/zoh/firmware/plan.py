@@ -13,17 +13,17 @@ from zoh import checks
 from zoh.errors import SpecError, ZohError
 from zoh.firmware.asked import Asked, Design, asked
 from zoh.firmware.book import Features, Format
-from zoh.firmware.build import Built, built, candidates
+from zoh.firmware.build import Built, built, candidates, controller_of
 from zoh.firmware.lines import NUMBERS, Coefficient, Number, Program
 from zoh.firmware.ranges import Ranges
 from zoh.lti.frequency_response import FrequencyResponse
 
-_SAME_DEG = 1e-4  # losses this near to each other do not decide between realisations
+_SAME_DEG = 0.01  # losses this near to each other do not decide between realisations
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plan:
-    """One controller as it is built; made by ``plan`` alone.
+    """One controller as it is built; lines that are not what was verified make none.
 
     name         of the C functions and files
     number       f32, f64, q31 or q15
@@ -49,6 +49,12 @@ class Plan:
     features: Features
     format: Format
     said: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        made = controller_of(self.program, self.format, self.dt)
+        if made != self.quantised.controller:
+            way_out = "zoh.plan(...) makes the two together"
+            raise SpecError("program", "must be the controller verified", made, way_out)
 
     @property
     def coefficients(self) -> tuple[Coefficient, ...]:
