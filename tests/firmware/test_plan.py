@@ -53,7 +53,9 @@ def test_auto_takes_the_shortest_number_that_keeps_the_margin():
     assert made("pid", "auto").number == "q15"
     longer = made("pid", "auto", pm_loss_deg=1e-6)
     assert longer.number == "q31"
-    assert longer.said[0].startswith("not q15: it moves the phase margin by 0.0037")
+    assert longer.said[0] == (
+        "not q15: rounded to q15 the phase margin moves by 0.00374 deg, above 1e-06"
+    )
     assert made("pid", "auto", pm_loss_deg=1e-9).number == "f64"
 
 
@@ -75,6 +77,7 @@ def test_the_choice_of_realisation_is_by_what_it_costs_and_said():
         plan(
             zoh.pid(ARM, dt=1e-3, wc=1.95, pm_deg=40, ki=0.85, filter_pole=60.0, sections=[notch]),
             realisation=r,
+            pm_loss_deg=1.0,
         )
         for r in ("auto", "cascade")
     )
@@ -117,6 +120,11 @@ def test_a_loop_that_rounding_takes_too_far_is_not_built():
     with pytest.raises(zoh.NotMet, match=r"rounded to q15: pm_deg must be at least 39.99"):
         plan(tight, number="q15", y_range=(-12, 12), u_range=(-12, 12), realisation="pid")
     assert plan(tight, number="q31", y_range=(-12, 12), u_range=(-12, 12)).quantised.met
+
+
+def test_a_margin_that_moves_too_far_is_not_met():
+    with pytest.raises(zoh.NotMet, match=r"rounded to q15 the phase margin moves by 0.0576 deg"):
+        made("pid", "q15", realisation="cascade", pm_loss_deg=0.05)
 
 
 def test_a_bound_met_with_nothing_to_spare_survives_rounding():

@@ -18,8 +18,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from zoh.firmware.book import Book, bounded, finished, limited
-from zoh.firmware.cascade_shape import CascadeShape
-from zoh.firmware.factors import Exact
+from zoh.firmware.cascade_shape import CascadeShape, in_books, named
 from zoh.firmware.lines import ZERO, Program, Routine, Writer
 from zoh.firmware.realise import Section
 
@@ -48,9 +47,9 @@ class CascadeStep(CascadeShape):
         if not self.delta and 1 + a1 + a2 == 0:
             a2 = self.rounded(a2)
             a1 = -1 - a2
-        for name, c in _named(b, (a1, a2)):
+        for name, c in named(b, (a1, a2)):
             if c not in (0, 1):  # what needs no product
-                book.gain(f"{name}_{i + 1}", c, f"section {i + 1}: {name}")
+                book.gain(f"{name}_{i + 1}", c, f"section {i + 1}: {in_books(name)}")
 
     def _write_whole(self, book: Book, i: int) -> None:
         """Write them in whole numbers: rounded in d = z - 1, and from there to z exactly.
@@ -69,9 +68,9 @@ class CascadeStep(CascadeShape):
             for kind, part, scale, first in (("b", section.b, gain, 0), ("a", section.a, 1, 1))
         )
         rounded = Section(b=(b[0], b[1], b[2]), a=(a[0], a[1]), order=section.order)
-        for name, c in _named(*((rounded.b, rounded.a) if self.delta else rounded.in_z)):
+        for name, c in named(*((rounded.b, rounded.a) if self.delta else rounded.in_z)):
             if c:
-                book.gain(f"{name}_{i + 1}", c, f"{says}: {name}", point)
+                book.gain(f"{name}_{i + 1}", c, f"{says}: {in_books(name)}", point)
 
     def _step(self, book: Book) -> Routine:
         w, stores = Writer(), []
@@ -189,10 +188,8 @@ class CascadeStep(CascadeShape):
 
     def _settled(self, w: Writer, book: Book, i: int, x: str) -> str:
         """Write a section's output at rest under x."""
-        b, a = self.taken(i)
-        rest = (b[0] + b[1] + b[2]) / (1 + a[0] + a[1]) if not self.delta else _rest_of_delta(b, a)
         point = self.points[f"section{i + 1}"]
-        name = book.gain(f"rest_{i + 1}", rest, f"section {i + 1}: gain at rest", point)
+        name = book.gain(f"rest_{i + 1}", self.at_rest(i), f"section {i + 1}: gain at rest", point)
         y = w.mul(f"rest_of_{i + 1}", name, x, "", f"section{i + 1}")
         y = w.down(f"at_rest_{i + 1}", y, point, f"output of section {i + 1} at rest")
         return self._inside(w, book, f"y_{i + 1}", y) if self.format.whole else y
@@ -249,13 +246,3 @@ class CascadeStep(CascadeShape):
         if on_y is None or not self.delta:
             return on_y or ZERO
         return w.neg(f"s2_{n}_held", on_y, "holds the other sum", group)
-
-
-def _named(b: Exact, a: Exact) -> list[tuple[str, Fraction]]:
-    """Return the constants by name; those of the output with the sign that they are added with."""
-    return [(f"b{k}", c) for k, c in enumerate(b)] + [(f"m{k}", -c) for k, c in enumerate(a, 1)]
-
-
-def _rest_of_delta(b: Exact, a: Exact) -> Fraction:
-    """Return the gain at d = 0; of a first order the second coefficients are 0."""
-    return b[2] / a[1] if a[1] else b[1] / a[0]
