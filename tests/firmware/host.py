@@ -6,10 +6,9 @@ import struct
 import subprocess
 from functools import lru_cache
 from pathlib import Path
-from tempfile import mkdtemp
+from tempfile import TemporaryDirectory
 
 from zoh.firmware.c import emit
-from zoh.firmware.lines import NUMBERS  # noqa: F401  the tests' parameters
 
 STRICT = (
     "-Wall -Wextra -pedantic -Werror -Wconversion -Wsign-conversion -Wdouble-promotion -Wshadow "
@@ -47,7 +46,8 @@ class Host:
     """The C of a plan as a shared library, with one state; calls have the model's names."""
 
     def __init__(self, plan, command=None, options=("-O2",), edit=None):
-        self.plan, folder = plan, Path(mkdtemp())
+        self.plan, self._files = plan, TemporaryDirectory()
+        folder = Path(self._files.name)
         for name, text in emit(plan).items():
             (folder / name).write_text(edit(text) if edit else text)
         library = folder / "made.so"

@@ -194,6 +194,22 @@ def test_after_track_the_same_inputs_give_the_manual_output(law, number, realisa
     assert abs(found - u) <= {"f64": 1e-12, "f32": 1e-4}.get(number, 1)
 
 
+@pytest.mark.parametrize("number", ["f32", "f64", "q31", "q15"])
+@pytest.mark.parametrize(
+    ("law", "realisation"),
+    [("pi", "pid"), ("pid_filtered", "pid"), ("pid", "cascade"), ("pid", "delta"),
+     ("notched", "cascade"), ("notched", "delta"), ("leadlag", "delta")],
+)  # fmt: skip
+def test_reset_is_rest_at_that_output(law, realisation, number):
+    if (law, number) == ("leadlag", "q15"):
+        law = "lead"  # 16 bits do not hold the other's sections
+    model = Model(made(law, number, realisation=realisation))
+    model.step(1, 0)
+    for u0 in (3, -5):
+        model.reset(u0)
+        assert model.step(0, 0) == u0
+
+
 @pytest.mark.parametrize(
     ("number", "bad"),
     [(n, b) for n in ("f32", "f64") for b in (nan, inf, -inf)] + [("f32", 3e38), ("f64", -1.7e308)],
