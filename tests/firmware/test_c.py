@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from designs import LAWS, made
+from designs import ARM, LAWS, made
 from host import STRICT, Host, compiled, compilers
 
 import zoh
@@ -77,6 +77,17 @@ def test_without_limits_too(number):
     model, host = Model(plan), Host(plan)
     assert differing(model, host, hostile(plan, 4000)) == 0
     assert model.state_bytes() == host.state_bytes()
+
+
+@pytest.mark.parametrize("number", ["q15", "q31"])
+def test_at_a_fast_clock_too(number):
+    design = zoh.pi(ARM, dt=1e-4, wc=0.8, pm_deg=40)
+    found = zoh.plan(design, number=number, u_min=-12, u_max=12, y_range=(-12, 12))
+    assert "x_rest" in [s.name for s in found.program.states]
+    model, host = Model(found), Host(found)
+    assert differing(model, host, hostile(found, SAMPLES)) == 0
+    assert model.state_bytes() == host.state_bytes()
+    assert host.selftest() == 0
 
 
 @pytest.mark.parametrize("options", [["-O0"], ["-O3"], ["-Os", "-std=gnu99"]])

@@ -49,6 +49,17 @@ def test_the_paper_in_every_number_keeps_its_margin():
         assert step.overshoot_pct == pytest.approx(design(law).step.overshoot_pct, abs=0.1)
 
 
+@pytest.mark.parametrize("dt", [0.1, 1e-2, 1e-3, 1e-4, 1e-5])
+def test_sixteen_bits_do_at_any_clock(dt):
+    """What the integral moves by in a sample shrinks with dt; its binary point follows."""
+    found = plan(
+        zoh.pi(ARM, dt=dt, wc=0.8, pm_deg=40), number="q15", u_min=-12, u_max=12, y_range=(-12, 12)
+    )
+    assert found.realisation == "pid"
+    assert found.pm_loss_deg < 2e-3
+    assert [s.name for s in found.program.states] == ["x", "x_rest"]
+
+
 def test_auto_takes_the_shortest_number_that_keeps_the_margin():
     assert made("pid", "auto").number == "q15"
     longer = made("pid", "auto", pm_loss_deg=1e-6)

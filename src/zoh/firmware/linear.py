@@ -73,10 +73,12 @@ def transfer(program: Program) -> tuple[Exact, Exact]:
 
 
 def _acting(found: Mapping[str, Row], stores: Mapping[str, str], u: Row) -> list[str]:
-    """Return the states that reach u, at once or later."""
-    acting = [s for s in stores if s in u]
+    """Return the states that reach u, at once or later, and are reached by a state or y."""
+    moved = {s for s in stores if found[stores[s]].keys() & {*stores, "y"}}
+    acting = [s for s in stores if s in u and s in moved]
     for state in acting:
-        acting += [s for s in stores if s in found[stores[state]] and s not in acting]
+        row = found[stores[state]]
+        acting += [s for s in stores if s in row and s in moved and s not in acting]
     return acting
 
 

@@ -51,7 +51,7 @@ class PidStep(PidShape):
         v = self._sum(w, book, parts)
         u = limited(w, book, self.features, v)
         if self.law.ki:
-            stores.insert(0, ("x", self._x(w, book, e, v, u)))
+            stores = [*self._x(w, book, e, v, u), *stores]
         return finished("step", _STEP, w, stores, v=v, u=u, keeps_u=self.keeps_u, form=self.format)
 
     def _p(self, w: Writer, book: Book, e: str) -> str | None:
@@ -110,18 +110,24 @@ class PidStep(PidShape):
         whole = w.down("law", total, point, "what the law asks for")
         return w.add("v", whole, "ff", "with the feed-forward")
 
-    def _x(self, w: Writer, book: Book, e: str, v: str, u: str) -> str:
-        """Write the integral's next state."""
-        point, how = self.points["integral"], self.features.anti_windup
+    def _x(self, w: Writer, book: Book, e: str, v: str, u: str) -> list[tuple[str, str]]:
+        """Write the integral's next state, and what waits for it."""
+        finer, how, rest = self.finer, self.features.anti_windup, []
+        point, group = self.points["integral"] + finer, "ki" if finer else "integral"
         ki = book.gain("ki", self.law.ki * self.format.gain, "gain of the integral, a step", point)
-        move = w.mul("x_move", ki, e, "what the integral moves by", "integral")
-        x = w.add("x_sum", "x", move, "", "integral")
+        move = w.mul("x_move", ki, e, "what the integral moves by", group)
+        whole = move
+        if finer:
+            fine = w.add("x_fine", "x_rest", move, "with what has waited", group)
+            whole = w.down("x_carry", fine, finer, "what the integral can take", group)
+            rest = [("x_rest", w.low("x_waits", fine, finer, "what it cannot"))]
+        x = w.add("x_sum", "x", whole, "", "integral")
         if self.features.limited and how == "conditional":
             over = w.sub("over", v, u, "what a limit took away")
             x = w.unless("x_on", over, move, "x", x, "not further into a limit", "integral")
         if self.features.limited and how in ("back_calculation", "tracking"):
             x = w.add("x_back", x, self._fed_back(w, book, v, u), "", "integral")
-        return self._x_bounded(w, book, x)
+        return [("x", self._x_bounded(w, book, x)), *rest]
 
     def _fed_back(self, w: Writer, book: Book, v: str, u: str) -> str:
         missing = w.sub("missing", u, v, "minus what a limit took away")
@@ -154,6 +160,7 @@ class PidStep(PidShape):
         if self.law.ki:
             x = self._left(w, book, self._p(w, book, e), u)
             stores.append(("x", self._up(w, book, "x_new", x, "integral")))
+            stores += [("x_rest", ZERO)] if self.finer else []
         seen = self._weighted(w, book, e)
         for tail, part in self.filters:
             f = seen
@@ -181,6 +188,7 @@ class PidStep(PidShape):
         u = bounded(w, book, self.features, "u0")
         if self.law.ki:
             stores.append(("x", self._up(w, book, "x_new", u, "integral")))
+            stores += [("x_rest", ZERO)] if self.finer else []
         stores += [(f"f{tail}", ZERO) for tail, _ in self.filters]
         return finished(
             "reset", _RESET, w, stores, v=u, u=u, keeps_u=self.keeps_u, form=self.format

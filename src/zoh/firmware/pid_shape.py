@@ -14,8 +14,8 @@ from zoh.firmware.realise import Filter, Parallel
 class PidShape:
     """A law in parallel form with its features in one format.
 
-    points  the binary points of whole numbers: "u" of the sums, "integral", and "filter" of each
-            filter; 0 for floats
+    points  the binary points of whole numbers: "u" of the sums, "integral" and "ki" of the integral
+            and of what it moves by, and "filter" of each filter; 0 for floats
     """
 
     law: Parallel
@@ -27,7 +27,7 @@ class PidShape:
     def begun(cls, law: Parallel, features: Features, form: Format) -> Self:
         """Return the shape with its binary points as high as words have bits."""
         start = form.word - 2 if form.whole else 0
-        names = ["u", "integral", *(f"filter{tail}" for tail, _ in tails(law))]
+        names = ["u", "integral", "ki", *(f"filter{tail}" for tail, _ in tails(law))]
         return cls(law=law, features=features, format=form, points=dict.fromkeys(names, start))
 
     @property
@@ -51,6 +51,22 @@ class PidShape:
         alone = not (self.law.ki or self.law.filters)
         return not self.whole or self.features.change is not None or alone
 
+    @property
+    def finer(self) -> int:
+        """Return by how many bits ki is finer than the integral that it moves.
+
+        At a fast clock ki is so small that at the integral's binary point it would have but a few
+        digits. What the integral cannot take then waits for the next sample.
+        """
+        size, bits = abs(self.law.ki * self.format.gain), 0
+        digits = self.format.word * 5 // 16 if self.whole else 0
+        while (
+            bits < self.points["ki"] - self.points["integral"]
+            and size * (1 << self.points["integral"] + bits) < 1 << digits
+        ):
+            bits += 1
+        return bits
+
     def states(self) -> tuple[State, ...]:
         """Return the states, in the order of the C struct."""
         states = []
@@ -59,6 +75,8 @@ class PidShape:
             states.append(
                 State(name="x", says="the integral", least=low, most=high, group="integral")
             )
+            if self.finer:
+                states.append(State(name="x_rest", says="what waits for the integral", group="ki"))
         for tail, part in self.filters:
             says = "the filtered measurement" if self.on_y else "the filtered error"
             remembers = self.whole and part.alpha != 1
