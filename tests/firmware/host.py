@@ -6,10 +6,9 @@ import struct
 import subprocess
 from functools import lru_cache
 from pathlib import Path
-from tempfile import mkdtemp
+from tempfile import TemporaryDirectory
 
 from zoh.firmware.c import emit
-from zoh.firmware.lines import NUMBERS  # noqa: F401  the tests' parameters
 
 STRICT = (
     "-Wall -Wextra -pedantic -Werror -Wconversion -Wsign-conversion -Wdouble-promotion -Wshadow "
@@ -47,15 +46,9 @@ class Host:
     """The C of a plan as a shared library, with one state; calls have the model's names."""
 
     def __init__(self, plan, command=None, options=("-O2",), edit=None):
-        self.plan, folder = plan, Path(mkdtemp())
-        for name, text in emit(plan).items():
-            (folder / name).write_text(edit(text) if edit else text)
-        library = folder / "made.so"
-        compiled(
-            command or compilers()[0], folder / f"{plan.name}.c",
-            "-std=c99", "-shared", "-fPIC", *options, "-o", str(library),
-        )  # fmt: skip
-        self._library = ctypes.CDLL(str(library))
+        self.plan = plan
+        with TemporaryDirectory() as folder:  # what is loaded stays
+            self._library = self._built(Path(folder), command or compilers()[0], options, edit)
         self._kind, self._code = _KINDS[plan.number]
         self.size = len(plan.program.states) * {"f32": 4, "f64": 8, "q31": 8, "q15": 4}[plan.number]
         self.size += {"f32": 4, "f64": 8}.get(plan.number, 0)
@@ -65,6 +58,13 @@ class Host:
         self._track = self._function("track", None, 3)
         self._reset = self._function("reset", None, 1)
         self._function("init", None, 0)(self._state)
+
+    def _built(self, folder, command, options, edit):
+        for name, text in emit(self.plan).items():
+            (folder / name).write_text(edit(text) if edit else text)
+        source, library = folder / f"{self.plan.name}.c", str(folder / "made.so")
+        compiled(command, source, "-std=c99", "-shared", "-fPIC", *options, "-o", library)
+        return ctypes.CDLL(library)
 
     def _function(self, name, result, inputs):
         found = getattr(self._library, f"{self.plan.name}_{name}")

@@ -69,7 +69,7 @@ def test_sections_multiply_to_the_controller(law):
     made = together(sections(controller))
     for d in (F(1, 3), F(-1, 7), F(5, 2), F(-9, 4)):
         # roots of a cubic or more are floats; a parabola and a line are their own factors
-        tolerance = 1e-12 if len(den) > 3 else 0
+        tolerance = 1e-12 if len(den) > 4 else 0
         assert abs(at(*made, d) / at(num, den, d) - 1) <= tolerance
 
 
@@ -102,6 +102,22 @@ def test_a_delay_is_poles_at_the_origin():
     # 1/(z^2 (z - 0.5)): in d = z - 1 the poles are at -1, -1 and -0.5
     _, den = in_d(Sampled(num=[1.0], den=[1.0, -0.5, 0.0, 0.0], dt=1.0))
     assert den == product(product((F(1), F(1)), (F(1), F(1))), (F(1), F(1, 2)))
+
+
+@pytest.mark.parametrize(
+    "den",
+    [
+        [1.0, -0.5, 0.0, 0.0, 0.0],  # a lag and three samples of delay
+        [1.0, -1.5, 0.5, 0.0, 0.0],  # an integral, a lag and two of delay
+        [1.0, 0.0, -1.0, 0.0],  # Tustin's integral twice over its zero, and a delay
+        [1.0, -0.25, -1.25, 0.5, 0.0],  # z = -1 beside two others that no float holds
+    ],
+)
+def test_poles_at_the_origin_and_at_nyquist_are_exact(den):
+    law = Sampled(num=[1.0, 0.25], den=den, dt=1.0)
+    made, truth = together(sections(law)), in_d(law)
+    for d in (F(1, 3), F(-3, 7), F(5, 2)):
+        assert at(*made, d) == at(*truth, d)
 
 
 def test_levelled_sections_are_the_same_controller_and_do_not_amplify():

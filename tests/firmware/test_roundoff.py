@@ -55,7 +55,7 @@ def run(plan_, references):
 @pytest.mark.parametrize("number", ["q15", "q31", "f32"])
 @pytest.mark.parametrize("law", LAWS)
 def test_no_run_leaves_the_bound(law, number):
-    made_ = made(law, number, u_min=-1200.0, u_max=1200.0, y_range=(-12, 12))
+    made_ = made(law, number, u_min=-1200.0, u_max=1200.0, pm_loss_deg=1.0)
     found = round_off(made_)
     numbers = chance(9)
     steps = [(next(numbers) / 2**31 - 1) * 0.5 for _ in range(20)]
@@ -72,7 +72,7 @@ def test_no_run_leaves_the_bound(law, number):
 @pytest.mark.parametrize("law", ["pi", "pid", "lead"])
 def test_rest_is_a_limit_cycle_within_the_bound(law):
     """Long after the last step the loop is at rest or in a cycle, and stays as near as is said."""
-    made_ = made(law, "q15", u_min=-1200.0, u_max=1200.0)
+    made_ = made(law, "q15", u_min=-1200.0, u_max=1200.0, pm_loss_deg=1.0)
     y, true = run(made_, [0.1234] * 6000)
     assert np.abs(y - true)[5000:].max() <= round_off(made_).y_bound
     assert np.ptp(true[5000:]) < 1e-6

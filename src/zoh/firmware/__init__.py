@@ -6,6 +6,7 @@ What crosses this room's doors:
     c.emit(plan) -> {"NAME.h": ..., "NAME.c": ...}
     model.Model(plan)                         the same arithmetic in Python, rounding by rounding
     vectors.hostile(plan, n)                  the inputs that equality is proved over
+    head.Cost                                 what a proof measured, for emit(plan, costs)
 
 The step is written once, as lines (``lines.py``): the model runs them, ``ranges`` and ``solver``
 prove them, ``c`` prints them. The C functions of a plan called NAME, u_t being float, double,

@@ -86,6 +86,10 @@ class Book:
 
         Raises SpecError where a value that is not 0 is 0 in this format.
         """
+        return self.fixed(name, self.nearest(name, value, says, point), says, point)
+
+    def nearest(self, name: str, value: Fraction, says: str, point: int = 0) -> float | int:
+        """Return a constant, rounded to the nearest; raise SpecError where it would vanish."""
         rounded = round(value * (1 << point)) if self.format.whole else self._nearest(value)
         if rounded == 0 and value != 0:
             raise SpecError(
@@ -94,7 +98,7 @@ class Book:
                 f"{self.format.number} with steps of {2.0**-point:.3g}",
                 "bring u_range nearer to what u needs, or choose a longer number",
             )
-        return self.fixed(name, rounded, says, point)
+        return rounded
 
     def bound(self, name: str, value: Fraction, says: str, *, up: bool) -> str:
         """Write a limit of u, rounded inwards (a lower limit up); return its name."""

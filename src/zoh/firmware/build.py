@@ -10,6 +10,7 @@ from zoh.analysis.tabled.verify import TableVerified, verify_table
 from zoh.analysis.verify import verify
 from zoh.errors import NotMet, SpecError
 from zoh.firmware.asked import Asked, Design
+from zoh.firmware.book import Format
 from zoh.firmware.cascade import CascadeStep
 from zoh.firmware.levels import levelled
 from zoh.firmware.linear import transfer
@@ -107,10 +108,8 @@ def built(request: Asked, realisation: str, step: Step) -> Built:
     """
     step, program, ranges = _fitted(step, request)
     design = request.verified
-    num, den = transfer(program)
     try:
-        controller = from_d(tuple(c / step.format.gain for c in num), den, design.dt)
-        quantised = _verified_again(request, controller)
+        quantised = _verified_again(request, controller_of(program, step.format, design.dt))
     except NotMet as missed:
         told = tuple(f"rounded to {step.format.number}: {m}" for m in missed.misses)
         raise NotMet(told, missed.measured) from None
@@ -118,6 +117,12 @@ def built(request: Asked, realisation: str, step: Step) -> Built:
         realisation=realisation, step=step, program=program, ranges=ranges, design=design,
         quantised=quantised,
     )  # fmt: skip
+
+
+def controller_of(program: Program, form: Format, dt: float) -> Sampled:
+    """Return the controller that a program's lines make, in physical units."""
+    num, den = transfer(program)
+    return from_d(tuple(c / form.gain for c in num), den, dt)
 
 
 def _verified_again(request: Asked, controller: Sampled) -> Design:

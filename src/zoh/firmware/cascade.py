@@ -18,9 +18,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from zoh.firmware.book import Book, bounded, finished, limited
-from zoh.firmware.cascade_shape import CascadeShape
-from zoh.firmware.factors import Exact
+from zoh.firmware.cascade_shape import CascadeShape, in_books, named
 from zoh.firmware.lines import ZERO, Program, Routine, Writer
+from zoh.firmware.realise import Section
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,18 +40,37 @@ class CascadeStep(CascadeShape):
 
     def _write_section(self, book: Book, i: int) -> None:
         """Write the constants of a section; an integrator stays one when they are rounded."""
-        b, a = self.taken(i)
-        point = self.points[f"section{i + 1}"]
-        for k, c in enumerate(b):
-            if _written(c, self.format.whole):
-                book.gain(f"b{k}_{i + 1}", c, f"section {i + 1}: b{k}", point)
-        a1, a2 = a
+        if self.format.whole:
+            self._write_whole(book, i)
+            return
+        b, (a1, a2) = self.taken(i)
         if not self.delta and 1 + a1 + a2 == 0:
-            a2 = self.rounded(a2, point)
+            a2 = self.rounded(a2)
             a1 = -1 - a2
-        for k, c in enumerate((a1, a2), 1):
-            if _written(-c, self.format.whole):
-                book.gain(f"m{k}_{i + 1}", -c, f"section {i + 1}: -a{k}", point)
+        for name, c in named(b, (a1, a2)):
+            if c not in (0, 1):  # what needs no product
+                book.gain(f"{name}_{i + 1}", c, f"section {i + 1}: {in_books(name)}")
+
+    def _write_whole(self, book: Book, i: int) -> None:
+        """Write them in whole numbers: rounded in d = z - 1, and from there to z exactly.
+
+        At frequencies far below the clock's an error in d is divided by d or by its square; one in
+        z is not, and would move the slow poles and the gain at rest by all of it.
+        """
+        section, point, says = self.sections[i], self.points[f"section{i + 1}"], f"section {i + 1}"
+        gain = self.format.gain if i == len(self.sections) - 1 else Fraction(1)
+        one = 1 << point
+        b, a = (
+            [
+                Fraction(round(book.nearest(f"{kind}{k}_{i + 1}", scale * c, says, point)), one)
+                for k, c in enumerate(part, first)
+            ]
+            for kind, part, scale, first in (("b", section.b, gain, 0), ("a", section.a, 1, 1))
+        )
+        rounded = Section(b=(b[0], b[1], b[2]), a=(a[0], a[1]), order=section.order)
+        for name, c in named(*((rounded.b, rounded.a) if self.delta else rounded.in_z)):
+            if c:
+                book.gain(f"{name}_{i + 1}", c, f"{says}: {in_books(name)}", point)
 
     def _step(self, book: Book) -> Routine:
         w, stores = Writer(), []
@@ -169,10 +188,8 @@ class CascadeStep(CascadeShape):
 
     def _settled(self, w: Writer, book: Book, i: int, x: str) -> str:
         """Write a section's output at rest under x."""
-        b, a = self.taken(i)
-        rest = (b[0] + b[1] + b[2]) / (1 + a[0] + a[1]) if not self.delta else _rest_of_delta(b, a)
         point = self.points[f"section{i + 1}"]
-        name = book.gain(f"rest_{i + 1}", rest, f"section {i + 1}: gain at rest", point)
+        name = book.gain(f"rest_{i + 1}", self.at_rest(i), f"section {i + 1}: gain at rest", point)
         y = w.mul(f"rest_of_{i + 1}", name, x, "", f"section{i + 1}")
         y = w.down(f"at_rest_{i + 1}", y, point, f"output of section {i + 1} at rest")
         return self._inside(w, book, f"y_{i + 1}", y) if self.format.whole else y
@@ -229,13 +246,3 @@ class CascadeStep(CascadeShape):
         if on_y is None or not self.delta:
             return on_y or ZERO
         return w.neg(f"s2_{n}_held", on_y, "holds the other sum", group)
-
-
-def _written(value: Fraction, whole: bool) -> bool:
-    """Return whether a coefficient is written: 0 never, 1 only at a binary point."""
-    return value != 0 and (whole or value != 1)
-
-
-def _rest_of_delta(b: Exact, a: Exact) -> Fraction:
-    """Return the gain at d = 0; of a first order the second coefficients are 0."""
-    return b[2] / a[1] if a[1] else b[1] / a[0]

@@ -41,10 +41,13 @@ class CascadeShape:
         gain = self.format.gain if i == len(self.sections) - 1 else Fraction(1)
         return tuple(c * gain for c in b), a
 
-    def rounded(self, value: Fraction, point: int) -> Fraction:
-        """Return a2 of an integrating section so that -1 - a2 is held exactly too."""
-        if self.format.whole:
-            return Fraction(round(value * (1 << point)), 1 << point)
+    def at_rest(self, i: int) -> Fraction:
+        """Return a section's gain at z = 1, where d is 0."""
+        section = self.sections[i]
+        return section.b[section.order] / section.a[section.order - 1]
+
+    def rounded(self, value: Fraction) -> Fraction:
+        """Return a2 of an integrating section in floats so that -1 - a2 is held exactly too."""
         bits = 23 if self.format.number == "f32" else 52  # 1 + a2 is below 2
         return Fraction(round(value * (1 << bits)), 1 << bits)
 
@@ -88,3 +91,17 @@ class CascadeShape:
         points = dict(self.points)
         points[group] -= 1
         return replace(self, points=points) if points[group] >= 0 else None
+
+
+def named(b: Exact, a: Exact) -> list[tuple[str, Fraction]]:
+    """Return the constants by name; those of the output with the sign that they are added with."""
+    return [(f"b{k}", c) for k, c in enumerate(b)] + [(f"m{k}", -c) for k, c in enumerate(a, 1)]
+
+
+def in_books(name: str) -> str:
+    """Return what books call a constant.
+
+    >>> in_books("m1")
+    '-a1'
+    """
+    return name.replace("m", "-a")

@@ -34,23 +34,51 @@ def value(a: Exact, x: Fraction) -> Fraction:
 def quadratics(a: Exact) -> list[Exact]:
     """Return factors of degree 2, and one of degree 1 where there must be, smallest roots last.
 
-    The roots at d = 0 are exact. A pair of real or conjugate roots is put together exactly.
+    Roots at z = 1, 0 and -1, as integrators, delays and Tustin's rule leave them, are exact, as a
+    rest of degree 2 is. A pair of real or conjugate roots is put together exactly.
     """
     if len(a) <= 3:
         return [tuple(c / a[0] for c in a)] if len(a) > 1 else []
-    found = poly.roots(tuple(float(c / a[0]) for c in a))
-    real = sorted((r.real for r in found if r.imag == 0), key=abs)
+    real, rest = _taken_out(a)
+    if len(rest) == 3 and len(real) % 2 == 0:
+        return sorted([*_paired(real), *quadratics(rest)], key=_size, reverse=True)
+    found = poly.roots(tuple(float(c / rest[0]) for c in rest))
+    real = sorted([*real, *(Fraction(r.real) for r in found if r.imag == 0)], key=abs)
     factors: list[Exact] = []
     for r in found:
         if r.imag > 0:
             re, im = Fraction(r.real), Fraction(r.imag)
             factors.append((Fraction(1), -2 * re, re * re + im * im))
+    return sorted([*factors, *_paired(real)], key=_size, reverse=True)
+
+
+def _paired(real: list[Fraction]) -> list[Exact]:
+    """Return a factor for each two roots, the smallest together, and one for what is left."""
+    factors = []
     for i in range(0, len(real), 2):
         factor: Exact = (Fraction(1),)
         for root in real[i : i + 2]:
-            factor = product(factor, (Fraction(1), -Fraction(root)))
+            factor = product(factor, (Fraction(1), -root))
         factors.append(factor)
-    return sorted(factors, key=_size, reverse=True)
+    return factors
+
+
+def _taken_out(a: Exact) -> tuple[list[Fraction], Exact]:
+    """Return the roots at d = 0, -1 and -2, each as often as it is one, and what they leave.
+
+    >>> one = Fraction(1)
+    >>> _taken_out(product((one, one), product((one, one), (one, 3 * one))))
+    ([Fraction(-1, 1), Fraction(-1, 1)], (Fraction(1, 1), Fraction(3, 1)))
+    """
+    roots = []
+    for root in (Fraction(0), Fraction(-1), Fraction(-2)):
+        while len(a) > 1 and value(a, root) == 0:
+            roots.append(root)
+            left = [a[0]]
+            for c in a[1:-1]:
+                left.append(c + root * left[-1])
+            a = tuple(left)
+    return roots, a
 
 
 def _size(factor: Exact) -> tuple[float, float]:

@@ -67,7 +67,7 @@ def _design(plan: Plan) -> list[str]:
     gains = ", ".join(f"{k} = {v:.9g}" for k, v in d.gains.items())
     return [
         f"{plan.name}: {d.law} controller" + (f", {gains}" if gains else ""),
-        f"design   {plan.sha256}",
+        f"sha-256  {plan.sha256}",
         f"plant    {_written(plan)}",
         f"clock    dt = {plan.dt:.9g} s, compute delay {d.compute_delay:.9g} s",
         f"design   {_margins(d.margins)}",

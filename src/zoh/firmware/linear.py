@@ -9,6 +9,7 @@ adjugate of d I - A together with its determinant).
 
 from collections.abc import Mapping
 from fractions import Fraction
+from operator import mul
 
 from zoh.firmware.factors import Exact
 from zoh.firmware.lines import ZERO, Line, Program
@@ -72,32 +73,41 @@ def transfer(program: Program) -> tuple[Exact, Exact]:
 
 
 def _acting(found: Mapping[str, Row], stores: Mapping[str, str], u: Row) -> list[str]:
-    """Return the states that reach u, at once or later."""
-    acting = [s for s in stores if s in u]
+    """Return the states that reach u, at once or later, and are reached by a state or y."""
+    moved = {s for s in stores if found[stores[s]].keys() & {*stores, "y"}}
+    acting = [s for s in stores if s in u and s in moved]
     for state in acting:
-        acting += [s for s in stores if s in found[stores[state]] and s not in acting]
+        row = found[stores[state]]
+        acting += [s for s in stores if s in row and s in moved and s not in acting]
     return acting
 
 
 def _fraction(
     a: list[list[Fraction]], b: list[Fraction], c: list[Fraction], direct: Fraction
 ) -> tuple[Exact, Exact]:
-    """Return c adj(d I - a) b + direct det(d I - a), and the determinant."""
+    """Return c adj(d I - a) b + direct det(d I - a), and the determinant.
+
+    All numbers are over a power of two; over the largest one they are whole, and stay so.
+    """
     n = len(b)
+    unit = max(x.denominator for x in (*b, *c, *(x for row in a for x in row), Fraction(1)))
+    whole, b_whole, c_whole = ([_times_unit(row, unit) for row in rows] for rows in (a, [b], [c]))
     den, num = [Fraction(1)], [direct]
-    m = [[Fraction(i == j) for j in range(n)] for i in range(n)]
+    m = [[int(i == j) for j in range(n)] for i in range(n)]
     for k in range(1, n + 1):
-        through = _dot(c, [_dot(row, b) for row in m])
-        m = [[_dot(a[i], [row[j] for row in m]) for j in range(n)] for i in range(n)]
-        den.append(-sum((m[i][i] for i in range(n)), Fraction(0)) / k)
-        num.append(direct * den[k] + through)
+        through = sum(map(mul, c_whole[0], (sum(map(mul, row, b_whole[0])) for row in m)))
+        columns = list(zip(*m, strict=True))
+        m = [[sum(map(mul, row, column)) for column in columns] for row in whole]
+        trace = -sum(m[i][i] for i in range(n)) // k  # a whole number: det's coefficient
+        den.append(Fraction(trace, unit**k))
+        num.append(direct * den[k] + Fraction(through, unit ** (k + 1)))
         for i in range(n):
-            m[i][i] += den[k]
+            m[i][i] += trace
     return tuple(num), tuple(den)
 
 
-def _dot(a: list[Fraction], b: list[Fraction]) -> Fraction:
-    return sum((x * y for x, y in zip(a, b, strict=True)), Fraction(0))
+def _times_unit(row: list[Fraction], unit: int) -> list[int]:
+    return [x.numerator * (unit // x.denominator) for x in row]
 
 
 def _row(program: Program, line: Line, found: Mapping[str, Row]) -> Row:

@@ -6,12 +6,13 @@ asks; Python's whole numbers never overflow, and ``ranges`` proves that the C's 
 
 from collections.abc import Callable, Mapping
 from math import isfinite
-from operator import add, mul, neg, sub
+from operator import add, index, mul, neg, sub
 from struct import pack
-from typing import Any
+from typing import Any, SupportsIndex
 
 import numpy as np
 
+from zoh.errors import SpecError
 from zoh.firmware.lines import ZERO, Line, Program, Routine
 from zoh.firmware.plan import Plan
 
@@ -52,11 +53,10 @@ class Model:
     def __init__(self, plan: Plan) -> None:
         self.plan = plan
         self._program: Program = plan.program
-        self._number: Callable[[Any], Value] = (
-            int if self._program.whole else np.float32 if plan.number == "f32" else float
-        )
-        zero = self._number(0)
-        self._held = {c.name: self._number(c.value) for c in self._program.coefficients}
+        kind: Callable[[Any], Value] = {"f32": np.float32, "f64": float}.get(plan.number, int)
+        self._number: Callable[[Any], Value] = self._whole_number if self._program.whole else kind
+        zero = kind(0)
+        self._held = {c.name: kind(c.value) for c in self._program.coefficients}
         self._held[ZERO] = zero
         self._compiled = {r.name: [self._compiled_line(x) for x in r.lines] for r in self._routines}
         self.state: dict[str, Value] = {s.name: zero for s in self._program.states}
@@ -85,6 +85,14 @@ class Model:
         values = [self.state[s.name] for s in self._program.states]
         tail = [self.faults] if faults else []
         return pack("<" + code * len(values) + faults, *values, *tail)
+
+    def _whole_number(self, value: SupportsIndex) -> int:
+        """Return a number of the format; raise SpecError for what is none."""
+        number, form = index(value), self.plan.format
+        if not form.least <= number <= form.most:
+            bound = f"must be within {form.least} and {form.most}, the numbers of {form.number}"
+            raise SpecError("r, y, ff and u", bound, number, "limit it before it is given")
+        return number
 
     def _run(self, routine: Routine, inputs: tuple[float, ...]) -> Value:
         values = {**self._held, **self.state}

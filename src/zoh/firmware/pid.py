@@ -42,16 +42,16 @@ class PidStep(PidShape):
         parts = [p] if (p := self._p(w, book, e)) else []
         seen = self._weighted(w, book, e)
         for tail, part in self.filters:
-            d, f = self._filter(w, book, seen, tail, part)
+            d, states = self._filter(w, book, seen, tail, part)
             parts.append(d)
-            stores.append((f"f{tail}", f))
+            stores += states
         if self.law.ki:
             point = self.points["integral"] - self.points["u"]
             parts.append(w.down("i_part", "x", point, "integral part", "u"))
         v = self._sum(w, book, parts)
         u = limited(w, book, self.features, v)
         if self.law.ki:
-            stores.insert(0, ("x", self._x(w, book, e, v, u)))
+            stores = [*self._x(w, book, e, v, u), *stores]
         return finished("step", _STEP, w, stores, v=v, u=u, keeps_u=self.keeps_u, form=self.format)
 
     def _p(self, w: Writer, book: Book, e: str) -> str | None:
@@ -83,22 +83,27 @@ class PidStep(PidShape):
         share = w.mul("r_c", name, "r")
         return w.sub("e_c", w.down("r_share", share, point), "y", "what the derivative sees")
 
-    def _filter(self, w: Writer, book: Book, seen: str, tail: str, part: Filter) -> tuple[str, str]:
-        """Write a filtered difference; return its share in u and the filter's next state."""
-        group = f"filter{tail}"
+    def _filter(
+        self, w: Writer, book: Book, seen: str, tail: str, part: Filter
+    ) -> tuple[str, list[tuple[str, str]]]:
+        """Write a filtered difference; return its share in u and the filter's next states."""
+        f, group = f"f{tail}", f"filter{tail}"
         point = self.points[group] if part.alpha != 1 else 0
-        now = w.down(f"f_now{tail}", f"f{tail}", point, "the filter's output", group)
+        now = w.down(f"f_now{tail}", f, point, "the filter's output", group)
         a, b = (now, seen) if self.on_y else (seen, now)
         d = w.sub(f"d{tail}", a, b, "filtered difference")
         gain = part.kd * self.format.gain
         kd = book.gain(f"kd{tail}", gain, "gain of the filtered difference", self.points["u"])
         share = w.mul(f"d_part{tail}", kd, d, "derivative part", "u")
         if part.alpha == 1:
-            return share, seen
-        alpha = book.gain(f"alpha{tail}", part.alpha, "1 - the filter's pole", point)
-        move = w.mul(f"f_move{tail}", alpha, d, "what the filter moves by", group)
+            return share, [(f, seen)]
+        finer = self.alpha_finer(tail, part)
+        alpha = book.gain(f"alpha{tail}", part.alpha, "1 - the filter's pole", point + finer)
+        gains = f"alpha{tail}" if finer else group
+        move = w.mul(f"f_move{tail}", alpha, d, "what the filter moves by", gains)
+        move, rest = _carried(w, "f", tail, move, finer, gains)
         written = w.sub if self.on_y else w.add
-        return share, written(f"f_new{tail}", f"f{tail}", move, "the filter moves", group)
+        return share, [(f, written(f"f_new{tail}", f, move, "the filter moves", group)), *rest]
 
     def _sum(self, w: Writer, book: Book, parts: list[str]) -> str:
         total, point = parts[0], self.points["u"]
@@ -110,18 +115,20 @@ class PidStep(PidShape):
         whole = w.down("law", total, point, "what the law asks for")
         return w.add("v", whole, "ff", "with the feed-forward")
 
-    def _x(self, w: Writer, book: Book, e: str, v: str, u: str) -> str:
-        """Write the integral's next state."""
-        point, how = self.points["integral"], self.features.anti_windup
+    def _x(self, w: Writer, book: Book, e: str, v: str, u: str) -> list[tuple[str, str]]:
+        """Write the integral's next state, and what waits for it."""
+        finer, how = self.ki_finer, self.features.anti_windup
+        point, group = self.points["integral"] + finer, "ki" if finer else "integral"
         ki = book.gain("ki", self.law.ki * self.format.gain, "gain of the integral, a step", point)
-        move = w.mul("x_move", ki, e, "what the integral moves by", "integral")
-        x = w.add("x_sum", "x", move, "", "integral")
+        move = w.mul("x_move", ki, e, "what the integral moves by", group)
+        whole, rest = _carried(w, "x", "", move, finer, group)
+        x = w.add("x_sum", "x", whole, "", "integral")
         if self.features.limited and how == "conditional":
             over = w.sub("over", v, u, "what a limit took away")
             x = w.unless("x_on", over, move, "x", x, "not further into a limit", "integral")
         if self.features.limited and how in ("back_calculation", "tracking"):
             x = w.add("x_back", x, self._fed_back(w, book, v, u), "", "integral")
-        return self._x_bounded(w, book, x)
+        return [("x", self._x_bounded(w, book, x)), *rest]
 
     def _fed_back(self, w: Writer, book: Book, v: str, u: str) -> str:
         missing = w.sub("missing", u, v, "minus what a limit took away")
@@ -154,12 +161,14 @@ class PidStep(PidShape):
         if self.law.ki:
             x = self._left(w, book, self._p(w, book, e), u)
             stores.append(("x", self._up(w, book, "x_new", x, "integral")))
+            stores += [("x_rest", ZERO)] if self.ki_finer else []
         seen = self._weighted(w, book, e)
         for tail, part in self.filters:
             f = seen
             if part.alpha != 1:
                 f = self._up(w, book, f"f_new{tail}", seen, f"filter{tail}")
             stores.append((f"f{tail}", f))
+            stores += [(f"f_rest{tail}", ZERO)] if self.alpha_finer(tail, part) else []
         return finished(
             "track", _TRACK, w, stores, v=u, u=u, keeps_u=self.keeps_u, form=self.format
         )
@@ -181,7 +190,10 @@ class PidStep(PidShape):
         u = bounded(w, book, self.features, "u0")
         if self.law.ki:
             stores.append(("x", self._up(w, book, "x_new", u, "integral")))
-        stores += [(f"f{tail}", ZERO) for tail, _ in self.filters]
+            stores += [("x_rest", ZERO)] if self.ki_finer else []
+        for tail, part in self.filters:
+            stores.append((f"f{tail}", ZERO))
+            stores += [(f"f_rest{tail}", ZERO)] if self.alpha_finer(tail, part) else []
         return finished(
             "reset", _RESET, w, stores, v=u, u=u, keeps_u=self.keeps_u, form=self.format
         )
@@ -192,3 +204,15 @@ class PidStep(PidShape):
             return value
         one = book.fixed(f"one_{group}", 1 << point, "1", point)
         return w.mul(name, one, value, "at its binary point", group)
+
+
+def _carried(
+    w: Writer, state: str, tail: str, move: str, finer: int, group: str
+) -> tuple[str, list[tuple[str, str]]]:
+    """Write what a state can take of a finer move; return it, and the rest that waits."""
+    if not finer:
+        return move, []
+    rest = f"{state}_rest{tail}"
+    fine = w.add(f"{state}_fine{tail}", rest, move, "with what has waited", group)
+    carry = w.down(f"{state}_carry{tail}", fine, finer, "what can be taken", group)
+    return carry, [(rest, w.low(f"{state}_waits{tail}", fine, finer, "what cannot"))]

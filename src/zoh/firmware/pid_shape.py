@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from math import ceil
 from typing import Self
 
@@ -14,8 +15,8 @@ from zoh.firmware.realise import Filter, Parallel
 class PidShape:
     """A law in parallel form with its features in one format.
 
-    points  the binary points of whole numbers: "u" of the sums, "integral", and "filter" of each
-            filter; 0 for floats
+    points  the binary points of whole numbers: "u" of the sums, "integral" and "ki" of the integral
+            and of what it moves by, and "filter" of each filter; 0 for floats
     """
 
     law: Parallel
@@ -27,7 +28,8 @@ class PidShape:
     def begun(cls, law: Parallel, features: Features, form: Format) -> Self:
         """Return the shape with its binary points as high as words have bits."""
         start = form.word - 2 if form.whole else 0
-        names = ["u", "integral", *(f"filter{tail}" for tail, _ in tails(law))]
+        names = ["u", "integral", "ki"]
+        names += [f"{name}{tail}" for tail, _ in tails(law) for name in ("filter", "alpha")]
         return cls(law=law, features=features, format=form, points=dict.fromkeys(names, start))
 
     @property
@@ -51,6 +53,28 @@ class PidShape:
         alone = not (self.law.ki or self.law.filters)
         return not self.whole or self.features.change is not None or alone
 
+    @property
+    def ki_finer(self) -> int:
+        """Return by how many bits ki is finer than the integral that it moves."""
+        return self._finer(abs(self.law.ki * self.format.gain), "integral", "ki")
+
+    def alpha_finer(self, tail: str, part: Filter) -> int:
+        """Return by how many bits alpha is finer than the filter that it moves."""
+        return 0 if part.alpha == 1 else self._finer(part.alpha, f"filter{tail}", f"alpha{tail}")
+
+    def _finer(self, size: Fraction, state: str, gain: str) -> int:
+        """Return the bits that give a gain its digits beyond the binary point of what it moves.
+
+        At a fast clock a gain is so small that at the state's point it would have but a few. What
+        the state cannot take then waits for the next sample.
+        """
+        if not self.whole:
+            return 0
+        digits, bits, point = self.format.word * 5 // 16, 0, self.points[state]
+        while bits < self.points[gain] - point and size * (1 << point + bits) < 1 << digits:
+            bits += 1
+        return bits
+
     def states(self) -> tuple[State, ...]:
         """Return the states, in the order of the C struct."""
         states = []
@@ -59,6 +83,8 @@ class PidShape:
             states.append(
                 State(name="x", says="the integral", least=low, most=high, group="integral")
             )
+            if self.ki_finer:
+                states.append(State(name="x_rest", says="what waits for the integral", group="ki"))
         for tail, part in self.filters:
             says = "the filtered measurement" if self.on_y else "the filtered error"
             remembers = self.whole and part.alpha != 1
@@ -66,6 +92,9 @@ class PidShape:
             states.append(
                 State(name=f"f{tail}", says=says, least=low, most=high, group=f"filter{tail}")
             )
+            if self.alpha_finer(tail, part):
+                says = "what waits for the filter"
+                states.append(State(name=f"f_rest{tail}", says=says, group=f"alpha{tail}"))
         if self.keeps_u:
             states.append(State(name="u", says="the last output"))
         return tuple(states)

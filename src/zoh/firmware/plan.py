@@ -10,20 +10,20 @@ from dataclasses import dataclass
 from hashlib import sha256
 
 from zoh import checks
-from zoh.errors import SpecError, ZohError
+from zoh.errors import NotMet, SpecError, ZohError
 from zoh.firmware.asked import Asked, Design, asked
 from zoh.firmware.book import Features, Format
-from zoh.firmware.build import Built, built, candidates
+from zoh.firmware.build import Built, built, candidates, controller_of
 from zoh.firmware.lines import NUMBERS, Coefficient, Number, Program
 from zoh.firmware.ranges import Ranges
 from zoh.lti.frequency_response import FrequencyResponse
 
-_SAME_DEG = 1e-4  # losses this near to each other do not decide between realisations
+_SAME_DEG = 0.01  # losses this near to each other do not decide between realisations
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plan:
-    """One controller as it is built; made by ``plan`` alone.
+    """One controller as it is built; lines that are not what was verified make none.
 
     name         of the C functions and files
     number       f32, f64, q31 or q15
@@ -49,6 +49,12 @@ class Plan:
     features: Features
     format: Format
     said: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        made = controller_of(self.program, self.format, self.dt)
+        if made != self.quantised.controller:
+            way_out = "zoh.plan(...) makes the two together"
+            raise SpecError("program", "must be the controller verified", made, way_out)
 
     @property
     def coefficients(self) -> tuple[Coefficient, ...]:
@@ -81,8 +87,8 @@ def plan(
 ) -> Plan:  # fmt: skip
     """Return the plan of a verified controller's firmware.
 
-    number             f32, f64, q31, q15; "auto" is the first of q15, q31, f32, f64 that moves
-                       the phase margin by pm_loss_deg or less
+    number             f32, f64, q31, q15; "auto" is the first of q15, q31, f32, f64 that will do
+    pm_loss_deg        the most that rounding the coefficients may move the phase margin by
     u_min, u_max       limits of the output, in its units; rate the most it moves, in units/s
     anti_windup        conditional (an integral's default), back_calculation, tracking or none;
                        sections have tracking or none
@@ -93,7 +99,8 @@ def plan(
     realisation        pid, cascade, delta; "auto" takes the one that costs the least phase margin
 
     Raises SpecError for a request that is malformed, a value that no word of the format holds or a
-    gain that vanishes in it; NotMet where the rounded controller misses what the design met.
+    gain that vanishes in it; NotMet where the rounded controller misses what the design met, or
+    moves its phase margin by more than pm_loss_deg.
 
     >>> import zoh
     >>> arm = zoh.Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
@@ -109,28 +116,26 @@ def plan(
     )  # fmt: skip
     most = checks.positive("pm_loss_deg", pm_loss_deg, "give degrees")
     if request.number != "auto":
-        return _planned(request, request.number)
+        return _planned(request, request.number, most)
     passed_over: list[str] = []
     for one in NUMBERS:
         try:
-            found = _planned(request, one, tuple(passed_over))
+            return _planned(request, one, most, tuple(passed_over))
+        except NotMet as refused:
+            passed_over.append(f"not {one}: {'; '.join(refused.misses)}")
         except ZohError as refused:
             passed_over.append(f"not {one}: {refused}")
-            continue
-        if found.pm_loss_deg <= most:
-            return found
-        passed_over.append(f"not {one}: it moves the phase margin by {found.pm_loss_deg:.3g} deg")
     way_out = f"allow more, or see why: {'; '.join(passed_over)}"
     raise SpecError("pm_loss_deg", "must be what some format keeps", most, way_out)
 
 
-def _planned(request: Asked, number: Number, before: tuple[str, ...] = ()) -> Plan:
+def _planned(request: Asked, number: Number, most: float, before: tuple[str, ...] = ()) -> Plan:
     """Return the plan in one number format, with the realisation that loses the least."""
     made: list[Built] = []
     refused: list[tuple[str, ZohError]] = []
     for name, begun in candidates(request, number).items():
         try:
-            made.append(built(request, name, begun()))
+            made.append(_kept(built(request, name, begun()), most))
         except ZohError as error:
             refused.append((name, error))
     if not made:
@@ -147,6 +152,15 @@ def _planned(request: Asked, number: Number, before: tuple[str, ...] = ()) -> Pl
         ranges=chosen.ranges, features=step.features, format=step.format,
         said=(*before, why, *others, *_windup(chosen)),
     )  # fmt: skip
+
+
+def _kept(found: Built, most: float) -> Built:
+    """Return what was built; raise NotMet where it has lost more phase margin than is allowed."""
+    if found.pm_loss_deg > most:
+        number, lost = found.step.format.number, found.pm_loss_deg
+        miss = f"rounded to {number} the phase margin moves by {lost:.3g} deg, above {most:g}"
+        raise NotMet((miss,), found.quantised)
+    return found
 
 
 def _windup(made: Built) -> tuple[str, ...]:

@@ -1,16 +1,18 @@
 """No overflow, for all time: the lines read as ranges, and the ranges of the states by induction.
 
 A value is a sum of unknowns, each in a range and with its factor; so what is subtracted from
-itself is 0, and a filter f + alpha (e - f) is seen to stay within its input. Where floor(f/2^k) is
-taken of a state, the state is from then on 2^k floor(f/2^k) + rest. The inputs are any numbers of
-the format. If with the states in their ranges every routine leaves them there, they are there for
-ever, since the first routine of all, reset, needs none of them.
+itself is 0, and a filter f + alpha (e - f) is seen to stay within its input. floor(f/2^k) is
+(f - rest)/2^k with an unknown rest in [0, 2^k): all values are whole, and their sums exact. The
+inputs are any numbers of the format. If with the states in their ranges every routine leaves them
+there, they are there for ever, since the first routine of all, reset, needs none of them.
 Source: R. E. Moore, R. B. Kearfott, M. J. Cloud, Introduction to Interval Analysis, ch. 5; the
 sums of unknowns are affine arithmetic without its rounding (J. Stolfi, L. H. de Figueiredo).
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
+from math import ceil, floor
 
 from zoh.firmware.book import IO_BITS
 from zoh.firmware.lines import ZERO, Line, Program, Routine
@@ -46,8 +48,8 @@ class Overflow:
 class _Sum:
     """constant + sum of factor times unknown."""
 
-    constant: int
-    factors: Mapping[str, int]
+    constant: Fraction | int
+    factors: Mapping[str, Fraction | int]
 
     def plus(self, other: "_Sum", sign: int = 1) -> "_Sum":
         factors = dict(self.factors)
@@ -55,7 +57,7 @@ class _Sum:
             factors[name] = factors.get(name, 0) + sign * c
         return _Sum(self.constant + sign * other.constant, {n: c for n, c in factors.items() if c})
 
-    def times(self, c: int) -> "_Sum":
+    def times(self, c: Fraction | int) -> "_Sum":
         return _Sum(c * self.constant, {n: c * f for n, f in self.factors.items() if c})
 
 
@@ -72,7 +74,7 @@ class _Reading:
             sorted((c * self.ranges[n][0], c * self.ranges[n][1])) for n, c in value.factors.items()
         ]
         low = value.constant + sum(e[0] for e in ends)
-        return low, value.constant + sum(e[1] for e in ends)
+        return ceil(low), floor(value.constant + sum(e[1] for e in ends))
 
     def unknown(self, name: str, found: Range) -> _Sum:
         self.ranges[name] = found
@@ -111,16 +113,14 @@ class _Reading:
         return self.values[whole if line.op == "asr" else rest]
 
     def _split(self, name: str, k: int) -> None:
-        """Make two unknowns of a value, floor(value/2^k) and the rest."""
+        """Part a value into 2^k floor(value/2^k) and an unknown rest."""
         low, high = self.range_of(self.values[name])
-        whole, rest = f"{name} >> {k}", f"{name} mod 2^{k}"
-        self.values[whole] = self.unknown(whole, (low >> k, high >> k))
+        whole, rest, mask = f"{name} >> {k}", f"{name} mod 2^{k}", (1 << k) - 1
         one = low >> k == high >> k
-        mask = (1 << k) - 1
         self.values[rest] = self.unknown(rest, (low & mask, high & mask) if one else (0, mask))
+        parted = self.values[name].plus(self.values[rest], -1)
+        self.values[whole] = parted.times(Fraction(1, 1 << k))
         self.split[name, k] = whole, rest
-        if self.values[name].factors == {name: 1}:
-            self.values[name] = self.values[whole].times(1 << k).plus(self.values[rest])
 
 
 def proved(program: Program) -> Ranges | Overflow:
@@ -132,6 +132,9 @@ def proved(program: Program) -> Ranges | Overflow:
         s.name: (0, 0) if s.least is None or s.most is None else (s.least, s.most)
         for s in program.states
     }
+    for s in program.states:  # before what is made of them: their own binary points come first
+        if not _fits(states[s.name], word := 2 * IO_BITS[program.number]):
+            return _too_large(s.name, s.says, s.group, states[s.name], word)
     for _ in range(_ROUNDS):
         found = _all_read(program, states)
         if isinstance(found, Overflow):

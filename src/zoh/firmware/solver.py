@@ -11,8 +11,9 @@ from typing import Any
 
 from zoh.errors import SpecError
 from zoh.firmware.book import IO_BITS
-from zoh.firmware.lines import ZERO, Line, Routine
+from zoh.firmware.lines import ZERO, Line, Program, Routine
 from zoh.firmware.plan import Plan
+from zoh.firmware.ranges import Ranges
 
 
 def overflow_excluded(plan: Plan, timeout_s: float = 60.0) -> bool:
@@ -23,8 +24,13 @@ def overflow_excluded(plan: Plan, timeout_s: float = 60.0) -> bool:
     """
     if plan.ranges is None:
         raise SpecError("plan", "must be in whole numbers", plan.number, "floats do not overflow")
+    return excluded(plan.program, plan.ranges, timeout_s)
+
+
+def excluded(program: Program, ranges: Ranges, timeout_s: float) -> bool:
+    """Return the same of lines and of the states' ranges that are claimed of them."""
     z3 = _z3()
-    return all(_holds(z3, plan, routine, timeout_s) for routine in plan.program.routines)
+    return all(_holds(z3, program, ranges, r, timeout_s) for r in program.routines)
 
 
 def _z3() -> Any:
@@ -36,25 +42,24 @@ def _z3() -> Any:
     return z3
 
 
-def _holds(z3: Any, plan: Plan, routine: Routine, timeout_s: float) -> bool:
+def _holds(z3: Any, program: Program, ranges: Ranges, routine: Routine, timeout_s: float) -> bool:
     """Return whether a routine leaves every value in its word and every state in its range."""
-    assert plan.ranges is not None
-    bits, solver = IO_BITS[plan.number], z3.Solver()
+    bits, solver = IO_BITS[program.number], z3.Solver()
     solver.set("timeout", int(1000 * timeout_s))
-    values: dict[str, Any] = {c.name: z3.IntVal(int(c.value)) for c in plan.coefficients}
+    values: dict[str, Any] = {c.name: z3.IntVal(int(c.value)) for c in program.coefficients}
     values[ZERO] = z3.IntVal(0)
     wrong = []
     for name in routine.inputs:
         values[name] = z3.Int(name)
         solver.add(_inside(z3, values[name], _word(bits)))
-    for name, found in plan.ranges.states.items():
+    for name, found in ranges.states.items():
         values[name] = z3.Int(f"state {name}")
         solver.add(_inside(z3, values[name], found))
     for line in routine.lines:
         values[line.name] = _value(z3, line, values, solver.add)
         wrong.append(z3.Not(_inside(z3, values[line.name], _word(2 * bits))))
     for state, name in routine.stores:
-        wrong.append(z3.Not(_inside(z3, values[name], plan.ranges.states[state])))
+        wrong.append(z3.Not(_inside(z3, values[name], ranges.states[state])))
     if routine.result is not None:
         wrong.append(z3.Not(_inside(z3, values[routine.result], _word(bits))))
     solver.add(z3.Or(wrong))
