@@ -43,7 +43,11 @@ if TYPE_CHECKING:
     from zoh.clock import SampleTime, SampleTimes, sample_times
     from zoh.design.sections import SecondOrder, notch
     from zoh.emulation import Emulated, emulate
-    from zoh.errors import AccuracyWarning, Infeasible, NotMet, SpecError, ZohError
+    from zoh.errors import AccuracyWarning, Infeasible, NotMet, SpecError, Unequal, ZohError
+    from zoh.firmware.equality import Equality
+    from zoh.firmware.export import export
+    from zoh.firmware.plan import Plan, plan
+    from zoh.firmware.prove import prove
     from zoh.laws import lag, lead, leadlag, p, pd, pi, pid, textbook_lag
     from zoh.lti.coherence import random_error
     from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
@@ -68,6 +72,7 @@ __all__ = [
     "Certificate",
     "Crossover",
     "Emulated",
+    "Equality",
     "FrequencyResponse",
     "Geared",
     "Grid",
@@ -80,6 +85,7 @@ __all__ = [
     "Measured",
     "Normal",
     "NotMet",
+    "Plan",
     "Plant",
     "Proof",
     "Random",
@@ -103,6 +109,7 @@ __all__ = [
     "TabledLoop",
     "Trace",
     "Uniform",
+    "Unequal",
     "Verified",
     "ZohError",
     "budget",
@@ -110,6 +117,7 @@ __all__ = [
     "design",
     "discretise",
     "emulate",
+    "export",
     "lag",
     "law_map",
     "lead",
@@ -124,6 +132,8 @@ __all__ = [
     "pd",
     "pi",
     "pid",
+    "plan",
+    "prove",
     "random_error",
     "response",
     "response_trace",
@@ -175,7 +185,11 @@ _HOMES = {
     "zoh.choice.map": ("Map", "law_map"),
     "zoh.clock": ("SampleTime", "SampleTimes", "sample_times"),
     "zoh.emulation": ("Emulated", "emulate"),
-    "zoh.errors": ("Infeasible", "NotMet", "AccuracyWarning", "SpecError", "ZohError"),
+    "zoh.errors": ("Infeasible", "NotMet", "AccuracyWarning", "SpecError", "Unequal", "ZohError"),
+    "zoh.firmware.equality": ("Equality",),
+    "zoh.firmware.export": ("export",),
+    "zoh.firmware.plan": ("Plan", "plan"),
+    "zoh.firmware.prove": ("prove",),
     "zoh.lti.coherence": ("random_error",),
     "zoh.lti.frequency_response": ("FrequencyResponse", "TabledLoop"),
     "zoh.lti.joint": ("Joint",),
@@ -194,6 +208,7 @@ _ROOMS = (
     "emulation",
     "errors",
     "laws",
+    "firmware",
     "lti",
     "pipeline",
     "request",

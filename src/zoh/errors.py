@@ -122,6 +122,21 @@ class NotMet(ZohError):
         return type(self), (self.misses, self.measured)
 
 
+class Unequal(ZohError):
+    """Firmware that is not what was verified: ``differences`` has one sentence for each.
+
+    ``found`` is the ``zoh.Equality`` that does not hold, with all that was measured.
+    """
+
+    def __init__(self, differences: tuple[str, ...], found: Any) -> None:
+        self.differences = differences
+        self.found = found
+        super().__init__("the firmware is not the design: " + "; ".join(differences))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.differences, self.found)
+
+
 def _infeasible(reason: str, fields: dict[str, Any]) -> Infeasible:
     return Infeasible(reason, **fields)
 

@@ -109,13 +109,25 @@ def _parser() -> ArgumentParser:
         "sweep", help="a design over a grid or a random sample", allow_abbrev=False
     )
     sweep.set_defaults(run=_sweep)
-    for command in (design, check, explain, sweep):
+    export = commands.add_parser(
+        "export", help="firmware that is the controller, bit for bit", allow_abbrev=False
+    )
+    export.set_defaults(run=_export)
+    export.add_argument("--target", choices=("c",), required=True, help="C99 that is C++17, too")
+    export.add_argument("--controller", metavar="NAME", help="this one alone")
+    export.add_argument("--number", choices=("f32", "f64", "q31", "q15", "auto"), default="f32")
+    export.add_argument(
+        "--prove", action="store_true", help="run it on seven emulated cores against the model"
+    )
+    for command in (design, check, explain, sweep, export):
         command.add_argument("file", metavar="FILE", help="a project file (TOML)")
     for command in (paper, design, explain):
         command.add_argument("--out", metavar="DIR", help="write a report with figures there")
+    export.add_argument("--out", metavar="DIR", help="write the files there")
+    for command in (paper, design, explain, export):
         command.add_argument("--force", action="store_true", help="let --out replace files")
     declare(sweep)
-    for command in (paper, design, check, explain, sweep):
+    for command in (paper, design, check, explain, sweep, export):
         command.add_argument("--json", action="store_true", help="print one JSON object")
     return parser
 
@@ -185,6 +197,27 @@ def _bands(found: "Sequence[Swept]") -> Mapping[str, str | bytes]:
     from zoh.app.sweep_figures import figures
 
     return figures((one.name, one.held) for one in found if one.held is not None)
+
+
+def _export(arguments: Namespace) -> int:
+    from zoh.app import export
+    from zoh.app.proving import proving
+
+    project = read(files.read_text(arguments.file), files.beside(arguments.file))
+    _refuse_early(arguments, "README.md")
+    with proving(arguments.prove) as prove:
+        exported = export.export_all(
+            project, number=arguments.number, only=arguments.controller, prove=prove
+        )
+    made = export.files(exported)
+    if arguments.json:
+        print(_json(export.to_dict(exported)), end="")
+    else:
+        _console().out(export.as_text(exported))
+    if arguments.out is not None and made:
+        _write(arguments, made)
+    failing = [f"{e.entry.name}: {e.failure}" for e in exported if e.failure is not None]
+    return _fail(NOT_MET, "; ".join(failing)) if failing else MET
 
 
 def _maps(found: Iterable[tuple[Entry, Map]]) -> dict[str, str | bytes]:

@@ -1,0 +1,255 @@
+"""Plans: what is chosen, what is refused in which words, and the loop verified again."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from designs import ARM, LAWS, design, made
+
+import zoh
+from zoh.firmware.linear import transfer
+from zoh.firmware.lines import NUMBERS
+from zoh.firmware.plan import plan
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("realisation", ["auto", "cascade", "delta"])
+def test_the_lines_are_the_controller(law, number, realisation):
+    """The transfer function read from the lines, at frequencies all over the band."""
+    try:
+        found = made(law, number, realisation=realisation)
+    except zoh.SpecError:  # test_word_lengths_are_said_where_they_do_not_suffice
+        assert (law, number) == ("leadlag", "q15")
+        assert realisation != "auto"
+        return
+    controller = found.design.controller
+    # of the gain: what the longest rounded coefficients move it by; q15 words hold some 10 bits
+    tolerance = {"f64": 1e-11, "f32": 1e-4, "q31": 1e-4, "q15": 0.05}[number]
+    for wc in (0.3, 1.0, 3.0, 10.0, 30.0):
+        assert abs(found.quantised.controller.at(wc) / controller.at(wc) - 1) < tolerance
+
+
+@pytest.mark.parametrize("law", ["pi", "pid", "pid_filtered", "notched"])
+@pytest.mark.parametrize("realisation", ["auto", "cascade", "delta"])
+@pytest.mark.parametrize("number", NUMBERS)
+def test_an_integrator_stays_one_exactly(law, realisation, number):
+    _, den = transfer(made(law, number, realisation=realisation).program)
+    assert den[-1] == 0
+
+
+def test_the_paper_in_every_number_keeps_its_margin():
+    """The robot arm's four controllers lose less than 0.1 deg in 16 bits, less than 1e-5 in 32."""
+    for law in ("lag", "lead", "pi", "pid"):
+        assert made(law, "q15").pm_loss_deg < 0.1
+        assert made(law, "q31").pm_loss_deg < 1e-5
+        assert made(law, "f32").pm_loss_deg < 1e-5
+        assert made(law, "f64").pm_loss_deg < 1e-10
+        step = made(law, "q15").quantised.step
+        assert step.overshoot_pct == pytest.approx(design(law).step.overshoot_pct, abs=0.1)
+
+
+@pytest.mark.parametrize("dt", [0.1, 1e-2, 1e-3, 1e-4, 1e-5])
+@pytest.mark.parametrize("law", ["pi", "pid", "lag", "leadlag"])
+def test_sixteen_bits_do_at_any_clock(law, dt):
+    """What states move by in a sample shrinks with dt; the binary points of their gains follow."""
+    found = plan(
+        {
+            "pi": lambda: zoh.pi(ARM, dt=dt, wc=0.8, pm_deg=40),
+            "pid": lambda: zoh.pid(ARM, dt=dt, wc=1.95, pm_deg=40, ki=0.85, filter_pole=15.0),
+            "lag": lambda: zoh.lag(ARM, dt=dt, wc=0.7, pm_deg=40, dc_gain=10),
+            "leadlag": lambda: zoh.leadlag(ARM, dt=dt, wc=1.95, pm_deg=40, dc_gain=100),
+        }[law](),
+        number="q15", u_min=-12, u_max=12, y_range=(-12, 12), realisation="pid",
+    )  # fmt: skip
+    assert found.pm_loss_deg < 0.03
+    names = {s.name for s in found.program.states}
+    waits = {"pi": "x_rest", "pid": "x_rest", "lag": "f_rest", "leadlag": "f_rest_2"}[law]
+    assert waits in names or dt == 0.1
+
+
+def test_auto_takes_the_shortest_number_that_keeps_the_margin():
+    assert made("pid", "auto").number == "q15"
+    longer = made("pid", "auto", pm_loss_deg=1e-6)
+    assert longer.number == "q31"
+    assert longer.said[0] == (
+        "not q15: rounded to q15 the phase margin moves by 0.00374 deg, above 1e-06"
+    )
+    assert made("pid", "auto", pm_loss_deg=1e-9).number == "f64"
+
+
+def test_auto_without_ranges_goes_on_to_floats():
+    found = plan(design("pid"), number="auto")
+    assert found.number == "f32"
+    assert "not q15: y_range must be given" in found.said[0]
+
+
+def test_auto_that_nothing_satisfies_says_why():
+    with pytest.raises(zoh.SpecError, match=r"pm_loss_deg must be what some format keeps.*f64"):
+        plan(zoh.verify(ARM, design("leadlag").controller), number="auto", pm_loss_deg=1e-300)
+
+
+def test_the_choice_of_realisation_is_by_what_it_costs_and_said():
+    """In floats sections in 1/z lose the margin at a fast clock; in z - 1 they do not."""
+    notch = zoh.notch(w0=12.0)
+    found, cascade = (
+        plan(
+            zoh.pid(ARM, dt=1e-3, wc=1.95, pm_deg=40, ki=0.85, filter_pole=60.0, sections=[notch]),
+            realisation=r,
+            pm_loss_deg=1.0,
+        )
+        for r in ("auto", "cascade")
+    )
+    assert found.realisation == "delta"
+    assert cascade.pm_loss_deg > 0.1 > 1e-6 > found.pm_loss_deg
+    assert found.said[0].startswith("phase margin lost by rounding: cascade 0.3 deg, delta ")
+    assert found.said[0].endswith("built: delta")
+
+
+def test_among_equals_the_parallel_form_is_built():
+    found = made("pid", "f64")
+    assert found.realisation == "pid"
+    assert made("notched", "f64").realisation == "cascade"
+
+
+def test_word_lengths_are_said_where_they_do_not_suffice():
+    for realisation in ("cascade", "delta"):
+        with pytest.raises(zoh.SpecError, match=r"number must hold a2_1 .*got 'q15 with steps"):
+            made("leadlag", "q15", realisation=realisation)
+
+
+def test_a_gain_that_does_not_fit_names_signal_and_range():
+    with pytest.raises(
+        zoh.SpecError, match=r"u_range must leave room for '\w+' \(.*\), which needs .* times what"
+    ):
+        made("pid", "q15", y_range=(-1e6, 1e6))
+    wide = made("pid", "q15", y_range=(-1e4, 1e4), u_range=(-1e4, 1e4))
+    assert wide.pm_loss_deg < 0.1
+
+
+def test_a_gain_that_vanishes_is_named():
+    slow = zoh.pid(ARM, dt=0.1, wc=1.95, pm_deg=40, ki=1e-6)
+    with pytest.raises(zoh.SpecError, match=r"number must hold \w+ \(.*\), which needs steps of"):
+        plan(slow, number="q15", y_range=(-1, 1), u_range=(-1000, 1000), realisation="pid")
+
+
+def test_a_loop_that_rounding_takes_too_far_is_not_built():
+    asked = zoh.Requirements(pm_deg=49.9999)
+    tight = zoh.pd(ARM, dt=0.1, wc=2.5, pm_deg=50, filter_pole=40.0, requirements=asked)
+    with pytest.raises(zoh.NotMet, match=r"rounded to q15: pm_deg must be at least 49.99"):
+        plan(tight, number="q15", y_range=(-12, 12), u_range=(-12, 12), realisation="pid")
+    assert plan(tight, number="q31", y_range=(-12, 12), u_range=(-12, 12)).quantised.met
+
+
+def test_a_margin_that_moves_too_far_is_not_met():
+    with pytest.raises(zoh.NotMet, match=r"rounded to q15 the phase margin moves by 0.0576 deg"):
+        made("pid", "q15", realisation="cascade", pm_loss_deg=0.05)
+
+
+def test_a_bound_met_with_nothing_to_spare_survives_rounding():
+    edge = zoh.pid(ARM, dt=0.1, wc=1.95, pm_deg=40, largest_ki_ms=1.7)
+    assert edge.margins.ms == pytest.approx(1.7, abs=1e-6)  # what its search stops at
+    assert plan(edge, number="f32").quantised.met
+
+
+def test_quantised_margins_are_those_of_the_quantised_controller():
+    found = made("pid", "q15")
+    again = zoh.margins(found.quantised.controller * found.design.sampled)
+    assert again.phase_margin_deg == found.quantised.margins.phase_margin_deg
+    assert found.pm_loss_deg == abs(again.phase_margin_deg - design("pid").margins.phase_margin_deg)
+
+
+def test_four_digits_cost_what_they_cost():
+    """The paper's printed PID, its coefficients cut to four digits, beside ours in 16 bits."""
+    exact = design("pid")
+    num = [float(f"{c:.4g}") for c in exact.controller.num]
+    den = [float(f"{c:.4g}") for c in exact.controller.den]
+    cut = zoh.margins(zoh.Sampled(num=num, den=den, dt=0.1) * exact.sampled)
+    lost = abs(cut.phase_margin_deg - exact.margins.phase_margin_deg)
+    assert lost > 3 * made("pid", "q15").pm_loss_deg
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"number": "q7"}, "number must be one of auto, q15, q31, f32, f64, got 'q7'"),
+        ({"realisation": "pi"}, "realisation must be one of"),
+        ({"anti_windup": "yes"}, "anti_windup must be one of"),
+        ({"u_min": 2.0, "u_max": 1.0}, "u_max must be above u_min = 2"),
+        ({"rate": 0}, "rate must be above 0"),
+        ({"setpoint_weight": 1.5}, "setpoint_weight must be in"),
+        ({"derivative_weight": -0.1}, "derivative_weight must be in"),
+        ({"y_range": (1, -1)}, "y_range must rise"),
+        ({"y_range": 5}, "y_range must be a list"),
+        ({"u_range": (1, 2, 3)}, "u_range must have two ends"),
+        ({"number": "q15"}, "y_range must be given for q15"),
+        ({"number": "q31", "y_range": (-1, 1)}, "u_range must be given for q31"),
+        ({"pm_loss_deg": 0}, "pm_loss_deg must be above 0"),
+        ({"u_min": float("nan")}, "u_min must be finite"),
+        ({"number": "q15", "y_range": (-1, 1), "u_range": (-12, 12), "rate": 1e-5}, "rate must"),
+    ],
+)
+def test_a_malformed_request_is_refused(options, words):
+    with pytest.raises(zoh.SpecError, match=words):
+        plan(design("pid"), **options)
+
+
+def test_a_plan_with_a_coefficient_changed_is_none():
+    made_ = made("pid", "q15")
+    other = tuple(
+        replace(c, value=c.value + 1) if c.name == "kp" else c for c in made_.coefficients
+    )
+    with pytest.raises(zoh.SpecError, match="program must be the controller verified"):
+        replace(made_, program=replace(made_.program, coefficients=other))
+
+
+def test_what_is_not_verified_is_refused():
+    for thing in (design("pid").controller, zoh.measure(ARM, design("pid").controller), None):
+        with pytest.raises(zoh.SpecError, match="verified must be a verified design"):
+            plan(thing)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{"setpoint_weight": 0.5}, {"derivative_weight": 0}, {"anti_windup": "conditional"}],
+)
+def test_sections_have_no_part_that_could_be_weighted(options):
+    with pytest.raises(zoh.SpecError, match=f"{next(iter(options))} must be left out"):
+        made("notched", "f32", **options)
+    with pytest.raises(zoh.SpecError, match="must be left out"):
+        made("pid", "f32", realisation="cascade", **options)
+
+
+def test_pid_form_of_what_has_none_is_refused():
+    with pytest.raises(zoh.SpecError, match="realisation must fit the controller"):
+        made("notched", "f32", realisation="pid")
+
+
+def test_three_integrators_have_no_sections():
+    plant = zoh.Plant(num=[1.0], den=[1.0, 1.0])
+    # 8 (z - 0.8)^3/(z - 1)^3: three zeros inside the circle draw in what three integrators push out
+    triple = zoh.Sampled(num=[8.0, -19.2, 15.36, -4.096], den=[1.0, -3.0, 3.0, -1.0], dt=0.1)
+    with pytest.raises(zoh.SpecError, match="two integrators at most"):
+        plan(zoh.verify(plant, triple))
+
+
+def test_a_plan_is_made_in_well_under_a_second():
+    from time import perf_counter
+
+    start = perf_counter()
+    made("notched", "q31", rate=100.0, u_max=11.5)
+    assert perf_counter() - start < 1.0
+
+
+def test_a_design_on_a_table_is_verified_again_on_the_table():
+    w = np.geomspace(0.05, 31.0, 400)
+    table = zoh.FrequencyResponse.from_complex(w=w, gain=zoh.sample(ARM, 0.1).at(w), dt=0.1)
+    d = zoh.pid(table, dt=0.1, wc=1.95, pm_deg=40, ki=0.85)
+    found = plan(d, number="q15", u_min=-12, u_max=12, y_range=(-12, 12))
+    assert isinstance(found.quantised, zoh.TableVerified)
+    # the table's curve between its points is near the model's
+    assert found.pm_loss_deg == pytest.approx(made("pid", "q15").pm_loss_deg, rel=0.01)
+    header = zoh.emit(found)["controller.h"]
+    assert "a table of 400 measured points, 0.05 to 31 rad/s" in header
+    assert "rounding not bounded: plan must rest on a model" in header
+    assert found.sha256 != made("pid", "q15", name="controller").sha256

@@ -1,0 +1,97 @@
+"""The examples compile as they stand, for a board's processor, and convert as they say."""
+
+import ctypes
+import re
+
+import pytest
+from boards import ARDUINO, HAL
+from designs import design, made
+from host import STRICT
+
+import zoh
+from zoh.firmware import toolchain
+from zoh.firmware.equality import Equality
+from zoh.firmware.export import export, texts
+from zoh.firmware.lines import NUMBERS
+
+pytest.importorskip("ziglang")
+
+UNO = ("-target", "avr-freestanding", "-mcpu=atmega328p", "-mmcu=atmega328p")
+M4 = ("-target", "thumb-freestanding-eabihf", "-mcpu=cortex_m4+vfp4d16sp")
+PLAIN = ("-ffreestanding", "-fno-sanitize=all", "-O2", "-c", "-o", "made.o")
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_the_arduino_sketch_compiles_for_an_uno(number, tmp_path):
+    files = export(made("pid", number))
+    toolchain.written(tmp_path, {**files, "Arduino.h": ARDUINO})
+    sketch = ("-x", "c++", "-std=c++17", "-include", "Arduino.h", "ctl_arduino.ino")
+    toolchain.run_zig((*UNO, *PLAIN, "-Wall", "-Wextra", "-Werror", *sketch), tmp_path)
+    toolchain.run_zig((*UNO, *PLAIN, "-std=c99", "ctl.c"), tmp_path)
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_the_stm32_example_compiles_with_strict_warnings(number, tmp_path):
+    files = export(made("pid", number))
+    toolchain.written(tmp_path, {**files, "main.h": HAL})
+    toolchain.run_zig((*M4, *PLAIN, "-std=c11", *STRICT, "ctl_stm32.c"), tmp_path)
+
+
+@pytest.mark.parametrize("number", NUMBERS)
+def test_the_controller_is_valid_cpp_17_with_strict_warnings(number, tmp_path):
+    toolchain.written(tmp_path, export(made("notched", number)))
+    cpp = [w for w in STRICT if w not in ("-Wundef",)]
+    toolchain.run_zig((*M4, *PLAIN, "-std=c++17", *cpp, "-x", "c++", "ctl.c"), tmp_path)
+
+
+def _converted(tmp_path, number, what, argument, result):
+    """Return a conversion of the STM32 example, compiled for this machine."""
+    text = export(made("pid", number))["ctl_stm32.c"]
+    start = text.index("/* YOURS: ", text.index("static ctl_state"))
+    functions = text[start : text.index("/* Call this once")].replace("static ", "", 9)
+    functions = functions.replace("const float UNITS", "static const float UNITS")
+    toolchain.written(tmp_path, {})
+    library = toolchain.for_host("O2", {"made.c": f"#include <stdint.h>\n{functions}"}, tmp_path)
+    found = getattr(ctypes.CDLL(str(library)), what)
+    found.argtypes, found.restype = [argument], result
+    return found
+
+
+def test_the_ends_of_a_converter_are_the_ends_of_the_range(tmp_path):
+    # 12 bits over +-12 V in 16: count 2048 is 0 V, a count 16 steps
+    y = _converted(tmp_path / "y", "q15", "measured", ctypes.c_int32, ctypes.c_int16)
+    assert [y(c) for c in (0, 2048, 2049, 4095)] == [-32768, 0, 16, 32752]
+    u = _converted(tmp_path / "u", "q15", "driven", ctypes.c_int16, ctypes.c_int32)
+    assert [u(c) for c in (-32768, 0, 16, 32767)] == [0, 2048, 2049, 4095]
+    volts = _converted(tmp_path / "v", "f32", "driven", ctypes.c_float, ctypes.c_int32)
+    assert [volts(c) for c in (-12.0, -13.0, 12.0, 13.0, 0.0)] == [0, 0, 4095, 4095, 2047]
+
+
+def test_a_clock_that_no_counter_of_microseconds_keeps_has_no_examples():
+    slow = zoh.p(zoh.Plant(num=[1e-6], den=[1, 0]), dt=5000.0, pm_deg=60)
+    assert sorted(export(slow)) == ["README.md", "controller.c", "controller.h"]
+
+
+def test_the_readme_says_what_was_proved_and_of_which_plan():
+    one, other = made("pid", "f32"), made("pi", "f32", name="other")
+    text = texts([one, other], proofs=[None, None])["README.md"]
+    assert re.findall(r"^## (.*)$", text, re.M)[:2] == ["ctl", "other"]
+    assert text.count("not proved here") == 2
+    assert "| as built | 40 | 1.95 |" in text
+    assert "ctl_selftest() != 0" in text
+    # the numbers of q15: 32768 steps are 12 V
+    assert "32768 is 12 of what" in export(made("pid", "q15"))["README.md"]
+
+
+def test_the_same_plan_gives_the_same_bytes():
+    assert export(made("pid", "q15")) == export(made("pid", "q15"))
+
+
+def test_what_is_no_target_and_what_is_another_plan_is_refused():
+    with pytest.raises(zoh.SpecError, match="target must be c"):
+        export(design("pid"), target="rust")
+    other = Equality(
+        name="ctl", number="f32", sha256="0", samples=0, loop_samples=0, state_bytes=0, builds=()
+    )
+    with pytest.raises(zoh.SpecError, match="proof must be of this plan"):
+        export(made("pid", "f32"), proof=other)
