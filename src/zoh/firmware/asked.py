@@ -108,6 +108,12 @@ class Asked:
         )  # fmt: skip
 
 
+def _weight(name: str, value: object, verified: Verified | TableVerified) -> float:
+    """Return a weight of the reference, the design's own where none is given."""
+    own = getattr(verified, name) if isinstance(verified, Verified) else 1.0
+    return _share(name, own if value is None else value)
+
+
 def asked(
     verified: object, *, name: object, number: object, u_min: object, u_max: object,
     rate: object, anti_windup: object, setpoint_weight: object, derivative_weight: object,
@@ -130,8 +136,8 @@ def asked(
         u_max=high,
         rate=None if rate is None else checks.positive("rate", rate, "give units of u a second"),
         anti_windup=_one_of("anti_windup", anti_windup, WINDUPS),
-        setpoint_weight=_share("setpoint_weight", setpoint_weight),
-        derivative_weight=_share("derivative_weight", derivative_weight),
+        setpoint_weight=_weight("setpoint_weight", setpoint_weight, verified),
+        derivative_weight=_weight("derivative_weight", derivative_weight, verified),
         y_range=_range("y_range", y_range),
         u_range=_range("u_range", u_range),
         realisation=_one_of("realisation", realisation, REALISATIONS),

@@ -81,7 +81,8 @@ class Plan:
 def plan(
     verified: Design, *, name: str = "controller", number: str = "f32",
     u_min: float | None = None, u_max: float | None = None, rate: float | None = None,
-    anti_windup: str = "auto", setpoint_weight: float = 1.0, derivative_weight: float = 1.0,
+    anti_windup: str = "auto", setpoint_weight: float | None = None,
+    derivative_weight: float | None = None,
     y_range: tuple[float, float] | None = None, u_range: tuple[float, float] | None = None,
     realisation: str = "auto", pm_loss_deg: float = 0.1,
 ) -> Plan:  # fmt: skip
@@ -93,7 +94,8 @@ def plan(
     anti_windup        conditional (an integral's default), back_calculation, tracking or none;
                        sections have tracking or none
     setpoint_weight, derivative_weight   shares of the reference, 0 to 1, in the proportional part
-                       and in the derivative; of the parallel form alone
+                       and in the derivative, of the parallel form alone; the design's own where
+                       they are left out
     y_range, u_range   what the numbers of q15 and q31 have to span, in the units that the
                        controller compares and in those of u; u_range is the limits if left out
     realisation        pid, cascade, delta; "auto" takes the one that costs the least phase margin
