@@ -39,7 +39,7 @@ def word_length(
     >>> plant = Sampled(num=[1.0], den=[1.0, -1.0], dt=1.0)
     >>> law = Sampled(num=[0.7], den=[1.0], dt=1.0)
     >>> word_length(plant, law, measure_loop(Loop.of(law, plant)), 0.1)
-    9
+    10
     """
     for bits in range(sure_bits(sampled, controller, margins, tol_deg), _MOST + 1):
         if _holds(sampled, controller, margins, tol_deg, bits):

@@ -129,7 +129,7 @@ def _span(phases: tuple[float, float]) -> str:
 def nearest(works: Callable[[float], bool], wc: float, dt: float, late: int = 0) -> float | None:
     """Return the frequency nearest to wc (in log) at which ``works`` says yes, None if nowhere.
 
-    Looked for from wc outwards down to wc/1000 and up to Nyquist's frequency, 3 % at a time, less
+    Looked for from wc/1000 to 1000 wc, below Nyquist's frequency, 3 % at a time, less
     where the hold and ``late`` samples of delay turn faster; the edge is then closed in on, and
     left on its working side by rounding to seven digits, so that what is printed works too.
     """
@@ -148,7 +148,7 @@ def _outwards(
     before = wc
     while True:
         probe = before * (1 + min(_STEP, turn / before)) ** side
-        if not wc * _LEAST < probe < top:
+        if probe == before or not wc * _LEAST < probe < min(top, wc / _LEAST):
             return
         yield abs(log(probe / wc)), probe, before
         before = probe
