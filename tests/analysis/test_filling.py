@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+import zoh
 from zoh.analysis import filling
+from zoh.analysis.closed import closed_loop
 from zoh.analysis.filling import filled, wanted
 from zoh.analysis.motion import Motion, Track
 
@@ -230,3 +232,16 @@ def test_of_a_hundred_thousand_samples_the_first_and_the_highest_hundred():
     a[1::2] = 10 + np.arange(50_000)
     first, highest = set(range(1, 200, 2)), set(range(99_801, 100_000, 2))
     assert tops(range(len(a)), a, 0, 1.0) == first | highest
+
+
+def test_the_effort_is_largest_before_the_second_sample_shown():
+    """A lag whose effort rises for 31 samples, and whose track begins with a stride of 64."""
+    arm = zoh.Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
+    d = zoh.lag(arm, dt=0.0023, wc=1.4447, pm_deg=22.1, dc_gain=23.9)
+    motion = closed_loop(arm, d.controller, 0.0)
+    state, efforts = motion.start, []
+    for _ in range(2000):  # one after the other, nothing left out
+        efforts.append(motion.effort @ state)
+        state = state + motion.delta @ state
+    assert np.argmax(efforts) in range(20, 40)
+    assert d.step.peak_effort == pytest.approx(max(efforts), rel=1e-12)

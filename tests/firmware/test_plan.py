@@ -7,6 +7,7 @@ import pytest
 from designs import ARM, LAWS, design, made
 
 import zoh
+from zoh.firmware.c import emit
 from zoh.firmware.linear import transfer
 from zoh.firmware.lines import NUMBERS
 from zoh.firmware.plan import plan
@@ -249,7 +250,7 @@ def test_a_design_on_a_table_is_verified_again_on_the_table():
     assert isinstance(found.quantised, zoh.TableVerified)
     # the table's curve between its points is near the model's
     assert found.pm_loss_deg == pytest.approx(made("pid", "q15").pm_loss_deg, rel=0.01)
-    header = zoh.emit(found)["controller.h"]
+    header = emit(found)["controller.h"]
     assert "a table of 400 measured points, 0.05 to 31 rad/s" in header
     assert "rounding not bounded: plan must rest on a model" in header
     assert found.sha256 != made("pid", "q15", name="controller").sha256

@@ -31,9 +31,9 @@ def wanted(k: Indices, seen: Array, final: float) -> list[int]:
     for a, top, bottom, late_top, late_bottom in zip(seen, *ends, strict=True):
         near = 0.1 * (late_top - late_bottom)  # a crest rises by far less
         if late_top + near > top:
-            marks |= _tops(k, a, begin, max(top, late_top))
+            marks |= _crests(k, a, begin, max(top, late_top))
         if late_bottom - near < bottom:
-            marks |= _tops(k, -a, begin, -min(bottom, late_bottom))
+            marks |= _crests(k, -a, begin, -min(bottom, late_bottom))
     y, size, band = seen[0], abs(final), BAND * abs(final)
     if (ends[0][0] if final >= 0 else -ends[1][0]) < 0.9 * size:
         up = y if final >= 0 else -y
@@ -42,9 +42,15 @@ def wanted(k: Indices, seen: Array, final: float) -> list[int]:
         off = np.abs(y - final)
         outside = (off > band).nonzero()[0]
         after = int(outside[-1]) if len(outside) else 0
-        marks |= {after} | _tops(k, off, max(after, begin), band)
+        marks |= {after} | _crests(k, off, max(after, begin), band)
     rows = {j for i in marks for j in (i - 1, i) if begin <= j < len(coarse)}
     return sorted(j for j in rows if coarse[j])
+
+
+def _crests(k: Indices, a: Array, begin: int, level: float) -> set[int]:
+    """Return the rows from ``begin`` on beside which a has a crest above a level."""
+    first = {0} if begin == 0 and _first_may(k, a, level) else set()
+    return _tops(k, a, begin, level) | first
 
 
 def _tops(k: Indices, a: Array, begin: int, level: float) -> set[int]:
@@ -61,8 +67,7 @@ def _tops(k: Indices, a: Array, begin: int, level: float) -> set[int]:
     found = i[a[i] + reach > level + _ROUNDING * max(abs(level), abs(float(a.max())))]
     best = found[(-a[found]).argsort(kind="stable")]
     looked = max(_LOOKED, len(k) // _AS_DEAR)
-    first = {0} if begin == 0 and _first_may(k, a, level) else set()
-    return {*found[:looked].tolist(), *best[:looked].tolist(), *first}
+    return {*found[:looked].tolist(), *best[:looked].tolist()}
 
 
 def _first_may(k: Indices, a: Array, level: float) -> bool:
