@@ -2,7 +2,7 @@
 
 The job is the PID of K/(s (s + a)) behind its hold: law, stability, every margin, Ms, Mt, disk
 margin, bandwidth, the step's metrics at and between the samples, effort. python-control is given
-zoh's controller and does what it can of that: margins, step_info, the effort's response. Nominal
+zoh's plant and controller and does what it can of that: margins, step_info, the effort's response. Nominal
 loops are an arm's, K, a, wc within 20 %; wide ones have dt over four decades, and half of them
 cannot be designed, which both are told. Everything takes turns; printed are least times of one
 loop in us, CPU time but for two threads, and the ratio to python-control's.
@@ -51,12 +51,27 @@ def wide(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
     return {"dt": dt, "plant.num.0": gain, "plant.den.1": a, "wc": wc, "pm_deg": pm_deg, "ki": ki}
 
 
-def peer(columns: dict[str, np.ndarray], i: int) -> None:
-    """Let python-control measure loop i."""
-    at = {key: float(values[i]) for key, values in columns.items()}
-    dt = at["dt"]
-    sampled = control.c2d(control.tf([at["plant.num.0"]], [1, at["plant.den.1"], 0]), dt, "zoh")
-    law = control.tf([20.0, -19.0, 0.0], [1.0, -1.0, 0.0], dt)  # any PID: the time is the same
+def solved(columns: dict[str, np.ndarray], count: int) -> list[zoh.Verified]:
+    """Return the first designs of these loops: python-control is to measure what zoh does."""
+    found: list[zoh.Verified] = []
+    for at in (dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)):
+        plant = zoh.Plant(num=[at["plant.num.0"]], den=[1, at["plant.den.1"], 0])
+        with suppress(zoh.NotMet):
+            try:
+                asked = {name: float(at[name]) for name in ("dt", "wc", "pm_deg", "ki")}
+                found.append(zoh.pid(plant, **asked))
+            except zoh.Infeasible:
+                continue
+        if len(found) == count:
+            break
+    return found
+
+
+def peer(design: zoh.Verified) -> None:
+    """Let python-control sample the plant and measure the loop."""
+    dt = design.dt
+    sampled = control.c2d(control.tf(design.plant.num, design.plant.den), dt, "zoh")
+    law = control.tf(design.controller.num, design.controller.den, dt)
     control.stability_margins(law * sampled)
     t = np.arange(500) * dt
     with suppress(IndexError):  # what it raises where 500 samples do not reach 10 %
@@ -76,10 +91,11 @@ def compared(columns: dict[str, np.ndarray], n: int) -> dict[str, float]:
 
     job = Job(plant=ARM, law="pid", dt=0.1, varying=tuple(columns))
     few = {key: values[: n // 8] for key, values in columns.items()}
+    designs = solved(columns, PEERS)
     one = {key: values[:PEERS] for key, values in columns.items()}
     ways: dict[str, tuple[Callable[[], object], int, Callable[[], float]]] = {
         "python-control": (
-            lambda: [peer(columns, i) for i in range(PEERS)], PEERS, time.process_time
+            lambda: [peer(design) for design in designs], PEERS, time.process_time
         ),
         "single": (lambda: single.run(job, one), PEERS, time.process_time),
         "arrays": (lambda: arrays.run(job, few), n // 8, time.process_time),
