@@ -2,10 +2,10 @@
 
 The job is the PID of K/(s (s + a)) behind its hold: law, stability, every margin, Ms, Mt, disk
 margin, bandwidth, the step's metrics at and between the samples, effort. python-control is given
-zoh's plant and controller and does what it can of that: margins, step_info, the effort's response. Nominal
-loops are an arm's, K, a, wc within 20 %; wide ones have dt over four decades, and half of them
-cannot be designed, which both are told. Everything takes turns; printed are least times of one
-loop in us, CPU time but for two threads, and the ratio to python-control's.
+zoh's plant and controller and does what it can of that: margins, step_info, the effort's response.
+Nominal loops are an arm's, K, a, wc within 20 %; of the wide ones, with dt over four decades, half
+cannot be designed, and python-control is given others. Everything takes turns; printed are least
+times of one loop in us, CPU time but for two threads, and the ratio to python-control's.
 
     python -m benchmarks.sweep.speed --loops 65536 --limit-arrays 100 --limit-compiled 500
 
