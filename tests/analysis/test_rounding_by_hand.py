@@ -245,7 +245,10 @@ def test_of_several_crossings_the_one_whose_delay_is_least():
         v, parts = 2 / mpf(dt) * mp.tan(angle / 2), mpf(0)
         for a, size in ((num, mpf(0.1)), (den, mpf(1.08) + mpf(0.9))):
             parts += HALF_A_UNIT * size / abs(poly(a, mp.expj(angle)))
-        log_of = lambda x: mp.log(poly(num, mp.expj(x)) / poly(den, mp.expj(x)))  # noqa: E731
+
+        def log_of(x):
+            return mp.log(poly(num, mp.expj(x)) / poly(den, mp.expj(x)))
+
         slope = mp.diff(log_of, angle) * mp.cos(angle / 2) ** 2 * mpf(dt)
         return parts * (1 + abs(slope.imag / slope.real)) / turn + parts / (abs(slope.real) * v)
 

@@ -4,7 +4,9 @@ import ctypes
 import shutil
 import struct
 import subprocess
+import sys
 from functools import lru_cache
+from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -26,14 +28,8 @@ _KINDS = {
 def compilers():
     """Return the commands of the C compilers that are here: gcc or cc, and zig's clang."""
     found = [(name,) for name in ("gcc", "cc") if shutil.which(name)][:1]
-    try:
-        import sys
-
-        import ziglang  # noqa: F401
-
+    if find_spec("ziglang"):
         found.append((sys.executable, "-m", "ziglang", "cc", "-fno-sanitize=all"))
-    except ImportError:
-        pass
     return found
 
 

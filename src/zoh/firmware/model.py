@@ -5,6 +5,7 @@ asks; Python's whole numbers never overflow, and ``ranges`` proves that the C's 
 """
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from math import isfinite
 from operator import add, index, mul, neg, sub
 from struct import pack
@@ -36,6 +37,14 @@ def _unless_product(a: Value, b: Value, kept: Value, moved: Value) -> Value:
 
 def _unless_sign(a: int, b: int, kept: int, moved: int) -> int:
     return kept if (a > 0 and b > 0) or (a < 0 and b < 0) else moved
+
+
+def _shifted(k: int, a: int) -> int:
+    return a >> k
+
+
+def _lowest(k: int, a: int) -> int:
+    return a & ((1 << k) - 1)
 
 
 _OPS: Mapping[str, Callable[..., Value]] = {
@@ -108,12 +117,11 @@ class Model:
         return None if routine.result is None else values[routine.result]
 
     def _compiled_line(self, line: Line) -> tuple[str, Callable[..., Value], tuple[str, ...]]:
-        k = line.shift
         run: Callable[..., Value]
         if line.op == "asr":
-            run = lambda a: a >> k  # noqa: E731
+            run = partial(_shifted, line.shift)
         elif line.op == "low":
-            run = lambda a: a & ((1 << k) - 1)  # noqa: E731
+            run = partial(_lowest, line.shift)
         elif line.op == "unless":
             run = _unless_sign if self._program.whole else _unless_product
         else:

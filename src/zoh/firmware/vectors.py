@@ -77,7 +77,8 @@ def _whole(draw: int, k: int, numbers: Iterator[int], plan: Plan) -> Sample:
     if kind == 1:  # rails, held
         return (high, low, 0) if k // 16 % 2 else (low, high, 0)
     if kind == 2:  # bursts between the ends
-        return tuple([low, high, 0, -1][(draw >> 2 * i) % 4] for i in range(3))  # type: ignore[return-value]
+        ends = (low, high, 0, -1)
+        return ends[draw % 4], ends[(draw >> 2) % 4], ends[(draw >> 4) % 4]
     if kind == 3:  # ramps
         ramp = low + (k % 64) * ((high - low) // 63)
         return ramp, -1 - ramp, small()
