@@ -267,3 +267,20 @@ def test_a_table_does_not_vary(run):
     project = read(text + PD, attached=lambda name: table)
     with pytest.raises(zoh.SpecError, match="plant must be a model"):
         job_of(project, project.controllers[0], zoh.Grid(axes={"wc": [1.0]}))
+
+
+def test_a_controller_alone_has_no_weights_of_the_reference(good, run):
+    """Swept as it stands, its step would be that of another reference path."""
+    weighted = good.replace('law = "pi"', 'law = "pi"\nsetpoint_weight = 0.5')
+    assert weighted != good
+    assert swept(run, weighted, "--over", "plant.gain=2,2.3")[0] == 0  # each loop has its own
+    code, out, err = swept(run, weighted, "--over", "plant.gain=2,2.3", "--fixed")
+    assert (code, out) == (2, None)
+    assert "setpoint_weight must be 1 for --fixed" in err
+
+
+def test_permissions_of_the_file_are_not_passed_over(good, run):
+    allowing = good.replace('law = "pi"', 'law = "pi"\nallow = ["negative_gains"]')
+    code, _, err = swept(run, allowing, "--over", "plant.gain=2,2.3")
+    assert code == 2
+    assert "allow must be empty in a sweep" in err

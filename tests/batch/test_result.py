@@ -183,7 +183,7 @@ def test_a_controller_that_is_given_stays_as_it_is_at_another_sample_time():
         ({"dt": None}, "dt"),
         ({"arithmetic": "abacus"}, "arithmetic"),
         ({"over": zoh.Random(spreads={"wc": zoh.Uniform(low=1, high=2)}, count=10**9)}, "over"),
-        ({"requirements": zoh.Requirements(bandwidth=1.0)}, "requirements.bandwidth"),
+        ({"requirements": zoh.Requirements(noise_gain=1.0)}, "requirements.noise_gain"),
         ({"plant": 1.0}, "plant"),
     ],
 )
@@ -193,3 +193,11 @@ def test_a_malformed_sweep_is_refused_in_one_line(changes, argument):
         zoh.sweep(**{**asked, **changes})
     assert refused.value.argument == argument
     assert "\n" not in str(refused.value)
+
+
+def test_a_bound_on_the_bandwidth_is_that_of_the_single_design():
+    held = zoh.sweep(ARM, "pi", {"pm_deg": 40}, dt=0.1, over={"wc": [0.4, 0.8]})
+    one = zoh.pi(ARM, dt=0.1, wc=0.4, pm_deg=40).margins.bandwidth
+    assert held["bandwidth"][0] == pytest.approx(one, rel=1e-12)
+    assert held.yield_(zoh.Requirements(bandwidth=one * (1 + 1e-6))) == 0.5
+    assert held.yield_(zoh.Requirements(bandwidth=one)) == 1.0

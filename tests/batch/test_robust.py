@@ -75,3 +75,10 @@ def test_a_malformed_request_is_refused(given, over, argument):
     with pytest.raises(zoh.SpecError) as refused:
         zoh.robust(ARM, "pd", given, dt=0.1, over=over)
     assert refused.value.argument == argument
+
+
+@pytest.mark.parametrize("weight", [0.5, [1.0, 0.5]])
+def test_weights_of_the_reference_are_no_part_of_one_controller(weight):
+    asked = {"wc": 1.5, "pm_deg": 50, "setpoint_weight": weight}
+    with pytest.raises(zoh.SpecError, match=r"setpoint_weight must be 1 for one controller over"):
+        zoh.robust(ARM, "pd", asked, dt=0.1, over=zoh.corners(ENDS))

@@ -107,7 +107,7 @@ def test_most_loops_are_not_left_to_the_single_design():
     for plant, law, late in CASES:
         job, columns = spread(plant, law, late)
         regular = arrays.batch(job, columns, LOOPS).regular
-        left += int((arrays._some(job, columns, LOOPS)[1] & regular).sum())
+        left += int((arrays.some(job, columns, LOOPS)[1] & regular).sum())
     assert left < 0.1 * LOOPS * len(CASES)
 
 

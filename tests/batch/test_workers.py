@@ -126,8 +126,8 @@ def test_what_is_sent_does_not_grow_with_the_block():
 def test_a_worker_with_another_version_is_refused():
     task = Plan(job=JOB, space=space(10), arithmetic="single", block=5).task(1)
     assert task.done().start == 5
-    with pytest.raises(zoh.SpecError, match=r"client must have zoh 0.0.1, NumPy 1 on every worker"):
-        replace(task, told_by="zoh 0.0.1, NumPy 1").done()
+    with pytest.raises(zoh.SpecError, match=r"client must have zoh 0.0.1, numpy 1 on every worker"):
+        replace(task, told_by="zoh 0.0.1, numpy 1").done()
 
 
 def test_no_scheduler_is_said_in_one_line():

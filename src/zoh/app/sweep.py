@@ -10,7 +10,7 @@ from zoh.app.project import GIVEN, Given, Project, Request
 from zoh.app.toml import within
 from zoh.batch import backend
 from zoh.batch.figures import FIGURES
-from zoh.batch.job import Job
+from zoh.batch.job import Job, refuse_weights
 from zoh.batch.reason import Reason
 from zoh.batch.result import Sweep
 from zoh.batch.sources import nominal_plant
@@ -136,8 +136,12 @@ def job_of(
     if isinstance(controller, Given):
         return Job(law=GIVEN, controller=controller.controller, **loop)
     asked, sections = controller.parameters, controller.sections
+    if controller.allow:
+        way_out = "a sweep has no such permission; leave it out, or give the controller itself"
+        raise SpecError("allow", "must be empty in a sweep", list(controller.allow), way_out)
     if not fixed:
         return Job(law=controller.law, asked=asked, sections=sections, **loop)
+    refuse_weights(asked, "--fixed")
     made = design(
         nominal_plant(project.source), controller.law, asked, dt=project.dt, sections=sections,
         compute_delay=project.compute_delay, reference=project.reference,

@@ -1,7 +1,9 @@
 """A sweep as blocks: each is made from its number alone, wherever and whenever it is asked for."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 
@@ -14,9 +16,19 @@ from zoh.batch.space import Rows, Space
 from zoh.errors import SpecError
 
 
-def versions() -> str:
-    """Return what the bits of a figure depend on, besides the machine."""
-    return f"zoh {zoh.__version__}, NumPy {np.__version__}"
+@cache
+def versions(arithmetic: str) -> str:
+    """Return what the bits of an arithmetic's figures depend on, besides the machine."""
+    needs = backend.named(arithmetic).needs
+    packages = ("numpy", *([needs] if needs else []))
+    return ", ".join([f"zoh {zoh.__version__}", *(f"{p} {_version(p)}" for p in packages)])
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "none"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,7 +46,7 @@ class Task:
     """One block still to be computed; small, for it is what is sent to a worker.
 
     offset  the loop that the space begins at, where it is a part of the sweep's
-    told_by the versions that it was made with, which whoever does it must have, too
+    told_by the versions that whoever does it must have; "" where it is done at home
     """
 
     job: Job
@@ -44,16 +56,17 @@ class Task:
     start: int
     stop: int
     offset: int = 0
-    told_by: str = field(default_factory=versions)
+    told_by: str = ""
 
     def done(self) -> Block:
         """Return the block; the same bits on every run of the same arithmetic.
 
-        Raises SpecError where another version of zoh or NumPy is installed here.
+        Raises SpecError where other versions of what the bits depend on are installed here.
         """
-        if self.told_by != versions():
+        here = versions(self.arithmetic)
+        if self.told_by not in ("", here):
             bound = f"must have {self.told_by} on every worker"
-            raise SpecError("client", bound, versions(), "install the same ones")
+            raise SpecError("client", bound, here, "install the same ones")
         columns = self.space.columns(self.start - self.offset, self.stop - self.offset)
         results = computed(self.job, columns, self.arithmetic)
         return Block(start=self.start, stop=self.stop, columns=columns, results=results)
@@ -88,7 +101,7 @@ class Plan:
             space, offset = Rows(values=space.columns(start, stop)), start
         return Task(
             job=self.job, space=space, arithmetic=self.arithmetic, number=number, start=start,
-            stop=stop, offset=offset,
+            stop=stop, offset=offset, told_by=versions(self.arithmetic),
         )  # fmt: skip
 
 

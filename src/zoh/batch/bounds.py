@@ -38,6 +38,7 @@ RULES: Mapping[str, _Rule] = {
     "delay_margin": _Rule(column="delay_margin", at_least=True),
     "ms": _Rule(column="ms", at_least=False),
     "mt": _Rule(column="mt", at_least=False),
+    "bandwidth": _Rule(column="bandwidth", at_least=True),
     "overshoot_pct": _Rule(column="between.overshoot_pct", at_least=False),
     "rise_time": _Rule(column="rise_time", at_least=False),
     "settling_time": _Rule(column="settling_time", at_least=False),

@@ -11,6 +11,7 @@ from zoh.design.sections import SecondOrder
 from zoh.errors import SpecError
 from zoh.lti.sampled import sample_time
 from zoh.lti.systems import Plant, Sampled
+from zoh.lti.weights import WEIGHTS
 from zoh.request import LAWS, OPTIONS, checked, left_open
 
 GIVEN = "given"
@@ -116,4 +117,16 @@ class Job:
                 raise SpecError("over", "must name a key once", key, "leave the second one out")
 
 
-__all__ = ["GIVEN", "Job", "Plant"]
+def refuse_weights(asked: Mapping[str, object], where: str) -> None:
+    """Raise SpecError where the reference is weighted and the controller alone is to be run.
+
+    Its coefficients do not say how the reference enters, so its step would be another one's.
+    """
+    for name in WEIGHTS:
+        weight = asked.get(name, 1.0)
+        if not (isinstance(weight, int | float) and weight == 1):
+            way_out = "leave it out, or let the law be designed in every loop"
+            raise SpecError(name, f"must be 1 for {where}", weight, way_out)
+
+
+__all__ = ["GIVEN", "Job", "Plant", "refuse_weights"]

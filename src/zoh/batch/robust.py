@@ -15,7 +15,7 @@ import numpy as np
 from zoh.analysis.verify import NOTHING_ASKED, Measured, Verified
 from zoh.batch import backend, bounds
 from zoh.batch.blocks import computed
-from zoh.batch.job import GIVEN, Job
+from zoh.batch.job import GIVEN, Job, refuse_weights
 from zoh.batch.reason import Reason
 from zoh.batch.result import Extreme, Sweep
 from zoh.batch.sources import FloatArray, Source, nominal_plant
@@ -82,7 +82,8 @@ def robust(
     """
     space = as_space(over)
     bounds.asked(requirements)
-    _refuse_what_is_chosen(law, space)
+    _refuse_what_is_chosen(space)
+    refuse_weights(given, "one controller over a set")
     job = _candidates(plant, law, given, dt, compute_delay, sections, reference)
     made = partial(
         design, nominal_plant(plant), law, dt=job.dt, sections=sections,
@@ -105,7 +106,7 @@ def robust(
     return Robust(design=verified, asked=asked, sweep=over_set, tried=len(combinations))
 
 
-def _refuse_what_is_chosen(law: str, space: Space) -> None:
+def _refuse_what_is_chosen(space: Space) -> None:
     """One controller is run on every plant: what varies is the machine, not the request."""
     for key in space.keys:
         if not key.startswith("plant.") and key not in ("dead_time", "compute_delay"):

@@ -9,16 +9,14 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from hashlib import sha256
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-import zoh
 from zoh.analysis.verify import NOTHING_ASKED
-from zoh.batch import backend, bounds
-from zoh.batch.blocks import Plan, Task
+from zoh.batch import bounds
+from zoh.batch.blocks import Plan, Task, versions
 from zoh.batch.extras import needed
 from zoh.batch.figures import column_names
 from zoh.batch.job import Job
@@ -182,13 +180,11 @@ def _length(plan: Plan, number: int) -> int:
 
 def _mark(store: _Store, plan: Plan) -> dict[str, Any]:
     """Return what two sweeps must share to be one: all that its bits depend on but the machine."""
-    needs = backend.named(plan.arithmetic).needs
-    versions = {name: version(name) for name in ("numpy", *([needs] if needs else []))}
     source = plan.job.plant
     digits = repr(source.exact) if isinstance(source, Plant) else ""
     parts = (repr(plan.job), digits, _digest(plan.space), repr(store.requirements))
     return {
-        "version": zoh.__version__, "versions": versions, "arithmetic": plan.arithmetic,
+        "versions": versions(plan.arithmetic), "arithmetic": plan.arithmetic,
         "loops": plan.loops, "block": plan.block, "keep": list(store.keep),
         "digest": sha256("\n".join(parts).encode()).hexdigest(),
     }  # fmt: skip

@@ -14,9 +14,8 @@ from zoh.batch.arrays import rows as polynomials
 from zoh.batch.arrays.held import Held, advanced
 from zoh.batch.arrays.motion import Motion
 from zoh.batch.arrays.rows import Array, Mask
+from zoh.batch.tolerances import REACH, TAYLOR
 
-_REACH = 20.0  # of |A| dt, up to which the series has kept its digits
-_TERMS = 72
 _LAST = 1e-15  # of the piece: a step this small is rounding
 
 
@@ -108,7 +107,7 @@ def crest(plant: Held, piece: Piece, z: Array, sign: Array) -> tuple[Array, Arra
         t = _root(slope[:, who])
         top[who] = polynomials.at(series[:, who], t) + (plant.direct * u)[who]
         when[who] = piece.begin[who] + t * (piece.end - piece.begin)[who]
-    return top, when, reach <= _REACH
+    return top, when, reach <= REACH
 
 
 def _reach(plant: Held) -> Array:
@@ -136,11 +135,11 @@ def _series(plant: Held, x: Array, u: Array, span: Array, terms: int) -> Array:
 
 def _needed(reach: float, n: int) -> int:
     count, size = n + 2, 1.0
-    for m in range(1, _TERMS):
+    for m in range(1, TAYLOR):
         size *= reach / m
         if m > reach and size < 1e-18:
             return max(count, m + n)
-    return _TERMS
+    return TAYLOR
 
 
 def _root(slope: Array) -> Array:

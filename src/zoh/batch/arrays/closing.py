@@ -7,9 +7,9 @@ import numpy as np
 from zoh.batch.arrays.between import Piece, crest
 from zoh.batch.arrays.held import Held
 from zoh.batch.arrays.look import Index, Part, Seen
-from zoh.batch.arrays.modes import BAND
 from zoh.batch.arrays.motion import Motion
 from zoh.batch.arrays.rows import Array, Mask, only
+from zoh.batch.tolerances import BAND
 
 RISE = (0.1, 0.9)
 

@@ -24,12 +24,9 @@ from math import factorial
 import numpy as np
 import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from zoh.batch.tolerances import EULERS, HELD, SERIES, SLOW, SMALL
 
-_TERMS = 18  # of the exponential's series, at a norm of 1/2: 0.5^18/18! is 6e-22
-_EXACT = 1e-12  # what a dozen roundings leave of the gain at rest
-_SMALL = 0.5  # the norm up to which the series is taken as it stands
-_SLOW, _EULER_TERMS = 1.5, 40  # the reach of the series at z = -1: (1.5/pi)^40 is 1e-13
+Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,17 +81,17 @@ def held(num: Array, den: Array, dt: Array, delay: npt.NDArray[np.int64], lead: 
         )  # fmt: skip
     reach = _reach(a)
     halvings = _halvings(reach)
-    h = _markov(a, b, max(_TERMS + n, _EULER_TERMS) + 1)
+    h = _markov(a, b, max(SERIES + n, EULERS) + 1)
     unit = np.ldexp(1.0, -halvings)
     in_unit = a * np.power(unit[None, :], np.arange(n, -1, -1.0)[:, None])
-    rows_ = powers_of(in_unit, _TERMS)
+    rows_ = powers_of(in_unit, SERIES)
     markov = h * np.power(unit[None, :], np.arange(1.0, len(h) + 1)[:, None])
     delta, before = advanced(rows_, markov, halvings, np.ones_like(lead))
     after = advanced(rows_, markov, halvings, lead)[1] if lead.any() else np.zeros_like(before)
     char, rows = _adjugate(delta, _integrators(a))
     in_delta = _numerator(rows, before, after)
     top, bottom = _in_p(in_delta), _in_p(char)
-    slow = reach <= _SLOW
+    slow = reach <= SLOW
     if slow.any():
         at_nyquist = _at_nyquist(h[:, slow], lead[slow])
         top[n, slow] = at_nyquist * bottom[n, slow]
@@ -114,7 +111,7 @@ def _is_exact(a: Array, b: Array, top: Array, bottom: Array) -> npt.NDArray[np.b
     first, held_first = (np.take_along_axis(c, i, axis=0)[0] for c in (a, bottom))
     with np.errstate(all="ignore"):
         off = top[0] / held_first * 2.0 ** i[0] * first / b[0] - 1
-    exact: npt.NDArray[np.bool_] = (b[0] == 0) | (np.abs(off) <= _EXACT)
+    exact: npt.NDArray[np.bool_] = (b[0] == 0) | (np.abs(off) <= HELD)
     return exact
 
 
@@ -128,7 +125,7 @@ def _reach(a: Array) -> Array:
 def _halvings(reach: Array) -> npt.NDArray[np.int64]:
     """Return how often the time must be halved until no pole is further than 1/2."""
     with np.errstate(divide="ignore"):
-        wanted = np.ceil(np.log2(reach / _SMALL))
+        wanted = np.ceil(np.log2(reach / SMALL))
     return np.maximum(wanted, 0.0).astype(np.int64)
 
 
@@ -161,7 +158,7 @@ def advanced(
     """Return (delta (n, n, B), B (n, B)) over t samples, 0 <= t <= 1, h the Markov parameters."""
     n = rows.shape[1]
     delta, b = np.zeros((n, n, len(t))), np.zeros((n, len(t)))
-    for m in range(_TERMS, 0, -1):
+    for m in range(SERIES, 0, -1):
         weight = t**m / factorial(m)
         delta += weight * rows[m : m + n]
         b += weight * h[m - 1 : m - 1 + n]
@@ -228,7 +225,7 @@ def _in_p(x: Array) -> Array:
 def _at_nyquist(h: Array, lead: Array) -> Array:
     """Return the plants' gain at z = -1 but for their whole samples of delay."""
     total = np.zeros(len(lead))
-    for k, euler in enumerate(_euler(lead, _EULER_TERMS), start=1):
+    for k, euler in enumerate(_euler(lead, EULERS), start=1):
         total += euler * h[k - 1]
     return total
 

@@ -12,10 +12,10 @@ import numpy as np
 import numpy.typing as npt
 
 from zoh.analysis.realised import realised
+from zoh.batch.tolerances import SAME_TURN
 from zoh.lti.systems import Sampled
 
 Array = npt.NDArray[np.float64]
-_SAME = 1e-12  # rad; a P turns the phase by nothing, but for rounding
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,7 +78,7 @@ def p(at: Wanted, _: Mapping[str, Array]) -> Solved:
     none = np.zeros((0, len(kp)))
     return Solved.of_poles(
         num=kp[None, :], den=np.ones((1, len(kp))), direct=kp, poles=none, residues=none,
-        gains={"kp": kp}, room=_SAME - np.abs(at.theta),
+        gains={"kp": kp}, room=SAME_TURN - np.abs(at.theta),
     )  # fmt: skip
 
 

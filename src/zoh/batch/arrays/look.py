@@ -25,7 +25,6 @@ class Seen:
     """
 
     top: Array
-    bottom: Array
     most: Array
     least: Array
     k_top: Array
@@ -49,7 +48,7 @@ class Seen:
     @classmethod
     def of(cls, count: int) -> "Seen":
         """Return what is seen before anything is."""
-        start = {"top": -inf, "bottom": inf, "most": -inf, "least": inf, "crest": -inf}
+        start = {"top": -inf, "most": -inf, "least": inf, "crest": -inf}
         return cls(**{f.name: np.full(count, start.get(f.name, -1.0)) for f in fields(cls)})
 
 

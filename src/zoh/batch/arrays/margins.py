@@ -13,16 +13,13 @@ import numpy.typing as npt
 
 from zoh.batch.arrays import rows
 from zoh.batch.arrays.rows import Array, Mask
+from zoh.batch.tolerances import DROP, ON_IT_DEG, PIVOT, UNITY
 
 Index = npt.NDArray[np.intp]
 
-_PIVOT = 1e-11  # of its terms: an element of Routh's scheme whose sign rounding may have made
-_ONE = 1e-11  # |L| this near to 1 at the highest frequency is for exact arithmetic to decide
 _GRID = np.geomspace(1e-4, 1e7, 40)  # of q, where a peak is first looked for
 _POLISH = 3
 _STEPS = 100
-_DROP = 10.0**-0.3  # 3 dB below, squared
-_ON_IT_DEG = 1e-12
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,10 +38,6 @@ class Loops:
         """Return rad/s of u = jv; pi/dt where v is inf."""
         return 2 / self.dt * np.arctan(self.x * v)
 
-    def only(self, keep: Mask) -> "Loops":
-        """Return some of the loops."""
-        return Loops(num=self.num[:, keep], den=self.den[:, keep], x=self.x[keep], dt=self.dt[keep])
-
 
 def stable(loops: Loops) -> tuple[Mask, Mask]:
     """Return (whether each closed loop is stable, whether rounding may have decided it).
@@ -61,7 +54,7 @@ def stable(loops: Loops) -> tuple[Mask, Mask]:
             width = len(row)
             pivot = row[0] * sign
             good &= pivot > 0
-            doubt |= np.abs(row[0]) <= _PIVOT * np.max(np.abs(row), axis=0)
+            doubt |= np.abs(row[0]) <= PIVOT * np.max(np.abs(row), axis=0)
             ratio = above[0] / row[0]
             following = above[1:].copy()
             minus = ratio * row[1:]
@@ -70,7 +63,7 @@ def stable(loops: Loops) -> tuple[Mask, Mask]:
             bulk[: width - 1] += np.abs(minus)
             if not len(following):
                 break
-            doubt |= np.abs(following[0]) <= _PIVOT * bulk[0]
+            doubt |= np.abs(following[0]) <= PIVOT * bulk[0]
             above, row = row, following
     return good, doubt | ~np.isfinite(c).all(axis=0)
 
@@ -96,8 +89,8 @@ def measured(loops: Loops) -> tuple[dict[str, Array], Mask]:
 def _by_gain(loops: Loops, gain: Array) -> tuple[dict[str, Array], Mask]:
     q, doubt = rows.positive_roots(gain)
     top, bottom = np.abs(loops.num[-1]), np.abs(loops.den[-1])
-    doubt |= np.abs(top - bottom) <= _ONE * bottom
-    doubt |= np.abs(np.abs(loops.num[0]) - np.abs(loops.den[0])) <= _ONE * np.abs(loops.den[0])
+    doubt |= np.abs(top - bottom) <= UNITY * bottom
+    doubt |= np.abs(np.abs(loops.num[0]) - np.abs(loops.den[0])) <= UNITY * np.abs(loops.den[0])
     v = np.sqrt(q)
     there = np.isfinite(v)
     v = np.where(there, v, 1.0)
@@ -111,7 +104,7 @@ def _by_gain(loops: Loops, gain: Array) -> tuple[dict[str, Array], Mask]:
     pm = np.degrees(np.angle(-n * np.conj(d)))
     pm = np.where(there, np.where(pm <= -180, 180.0, pm), np.inf)
     w = loops.frequency(v)
-    late = np.where(np.abs(pm) < _ON_IT_DEG, 0.0, np.radians(pm) % (2 * np.pi) / w)
+    late = np.where(np.abs(pm) < ON_IT_DEG, 0.0, np.radians(pm) % (2 * np.pi) / w)
     loud = (top >= bottom) & (top > 0)
     delay = np.min(np.where(there, late, np.inf), axis=0, initial=np.inf)
     nearest, none = _least(np.abs(pm)), np.asarray(~there.any(axis=0))
@@ -119,7 +112,6 @@ def _by_gain(loops: Loops, gain: Array) -> tuple[dict[str, Array], Mask]:
         "phase_margin_deg": np.where(none, np.inf, _taken(pm, nearest, none)),
         "crossover": np.where(none, np.nan, _taken(w, nearest, none)),
         "delay_margin": np.minimum(delay, np.where(loud, loops.dt, np.inf)),
-        "gain_crossings": there.sum(axis=0).astype(float),
     }, doubt
 
 
@@ -149,7 +141,6 @@ def _by_phase(loops: Loops) -> tuple[dict[str, Array], Mask]:
     return {
         "gain_margin": np.where(none, np.inf, _taken(factor, nearest, none)),
         "phase_crossover": np.where(none, np.nan, loops.frequency(_taken(v, nearest, none))),
-        "phase_crossings": there.sum(axis=0).astype(float),
     }, doubt
 
 
@@ -267,17 +258,16 @@ def _peak(loops: Loops, name: str, v: Array) -> dict[str, Array]:
     at = np.where(end, 1.0, v)
     n, d = rows.on_axis(loops.num, at)[0], rows.on_axis(loops.den, at)[0]
     n, d = np.where(end, loops.num[-1], n), np.where(end, loops.den[-1], d)
-    w = loops.frequency(v)
     if name == "modulus":
         least = np.abs(n + d) / np.abs(d)
-        return {"modulus_margin": least, "ms": 1 / least, "ms_frequency": w}
+        return {"modulus_margin": least, "ms": 1 / least}
     if name == "mt":
-        return {"mt": np.abs(n) / np.abs(n + d), "mt_frequency": w}
-    return {"disk_margin": 2 * np.abs(n + d) / np.abs(d - n), "disk_frequency": w}
+        return {"mt": np.abs(n) / np.abs(n + d)}
+    return {"disk_margin": 2 * np.abs(n + d) / np.abs(d - n)}
 
 
 def _bandwidth(loops: Loops, nn: Array, aa: Array) -> tuple[Array, Mask]:
-    at_rest = _DROP * nn[0] / aa[0]
+    at_rest = DROP * nn[0] / aa[0]
     q, doubt = rows.positive_roots(nn - at_rest * aa)
     first = q[0] if len(q) else np.full(len(at_rest), np.inf)
     falls = np.isfinite(first) & (at_rest > 0)

@@ -1,17 +1,13 @@
 """What is left of each mode of many responses: whether it can still show anything, how it turns."""
 
 from dataclasses import dataclass
-from math import inf, log
+from math import inf
 
 import numpy as np
 
 from zoh.batch.arrays.look import Index, Part, Seen, along, moved
 from zoh.batch.arrays.rows import Array, Complex, Mask
-
-BAND = 0.02
-_LOST = 2e-9  # of the final value: what is left of a mode no longer says where to look
-_NEAR = 0.9  # of the band: what is alone and inside this stays inside
-_QUIET = log(1e8)  # the slowest mode is followed until it has fallen so far
+from zoh.batch.tolerances import BAND, LOST, NEAR, QUIET
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,7 +42,7 @@ class Modes:
         swings = np.abs(np.angle(z)) > 1e-9 * decay
         return cls(
             turn=turn, weights=weights, creeping=(decay == slowest) & ~swings,
-            end=np.maximum(8.0, np.ceil(_QUIET / np.maximum(slowest, 1e-14)) + 4 * rows),
+            end=np.maximum(8.0, np.ceil(QUIET / np.maximum(slowest, 1e-14)) + 4 * rows),
         )  # fmt: skip
 
     def look(
@@ -57,14 +53,14 @@ class Modes:
         size, top, most, least = part.size, seen.top[who], seen.most[who], seen.least[who]
         of_y, of_u = self._amplitudes(who, part, [(part.output, size), (effort, at_rest)], z)
         total, higher = self._beyond(who, of_y)
-        still = total < _NEAR * BAND * size
+        still = total < NEAR * BAND * size
         with np.errstate(invalid="ignore"):
-            still &= (higher <= top - size) | (total <= _LOST * size)
+            still &= (higher <= top - size) | (total <= LOST * size)
             total, higher = self._beyond(who, of_u)
             _, lower = self._beyond(who, -of_u)
-            reach = _LOST * np.maximum(np.abs(most), np.abs(least))
+            reach = LOST * np.maximum(np.abs(most), np.abs(least))
             still &= (total <= reach) | ((at_rest + higher <= most) & (at_rest - lower >= least))
-        alive = (np.abs(of_y) > _LOST * size) | (np.abs(of_u) > reach)
+        alive = (np.abs(of_y) > LOST * size) | (np.abs(of_u) > reach)
         turning = np.max(np.where(alive, self.turn[:, who], 0.0), axis=0, initial=0.0)
         return still | (k > self.end[who]), turning
 

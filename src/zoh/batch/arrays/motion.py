@@ -14,9 +14,9 @@ from zoh.batch.arrays.held import Held
 from zoh.batch.arrays.laws import Solved
 from zoh.batch.arrays.margins import Loops
 from zoh.batch.arrays.rows import Array, Complex, Mask
+from zoh.batch.tolerances import APART
 
 _ROOTS = 40  # Aberth's steps at most: the roots need no more than three digits here
-_ENOUGH = 1e-4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -113,6 +113,6 @@ def _roots(c: Array) -> Complex:
             step = newton / (1 - newton * others)
             step = np.where(np.isfinite(step), step, 0.0)
             z = z - step
-            if np.all(np.abs(step) <= _ENOUGH * np.abs(z)):
+            if np.all(np.abs(step) <= APART * np.abs(z)):
                 break
     return z

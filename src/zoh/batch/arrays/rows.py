@@ -13,6 +13,8 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
+from zoh.batch.tolerances import DOUBLE
+
 Kept = TypeVar("Kept", bound=Any)  # a dataclass
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
@@ -22,7 +24,6 @@ _ENDS = 1e25  # roots are looked for between its inverse and it
 _RANGE = 280.0  # decades that a power of a float may fill
 _STEPS = 120  # halvings of a bracket's logarithm, and Newton's steps between them
 _LAST = 1e-15  # relative; a step this small is rounding
-_DOUBLE = 1e-10  # of its terms: a value at an extreme that may be 0
 
 
 def only(loops: Kept, keep: Mask | npt.NDArray[np.int64]) -> Kept:
@@ -171,7 +172,7 @@ def _by_extremes(a: Array, low: float, high: float) -> tuple[Array, Mask]:
         found[where, lanes] = _closed_in(f[:, lanes], starts, ends, np.sqrt(starts * ends))
         edges = np.sort(found, axis=0)
     bulk = at(np.abs(a), inner)
-    touching = (np.abs(at(a, inner)) <= _DOUBLE * bulk) & (inner < high)
+    touching = (np.abs(at(a, inner)) <= DOUBLE * bulk) & (inner < high)
     return np.where(edges < high, edges, np.inf), np.asarray(touching.any(axis=0))
 
 

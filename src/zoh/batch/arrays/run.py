@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from zoh.batch import single
 from zoh.batch.arrays import laws, rows
 from zoh.batch.arrays.held import Held, held
 from zoh.batch.arrays.laws import Solved
@@ -17,17 +16,17 @@ from zoh.batch.arrays.margins import Loops, measured, stable
 from zoh.batch.arrays.motion import motion, poles
 from zoh.batch.arrays.rows import Array, Mask, only
 from zoh.batch.arrays.steps import step_metrics
-from zoh.batch.columns import Columns, Results, coefficients, column, empty, length
+from zoh.batch.chunks import in_chunks
+from zoh.batch.columns import Columns, Results, coefficients, column, empty
 from zoh.batch.figures import BY_NAME
 from zoh.batch.job import GIVEN, Job
 from zoh.batch.reason import Reason
+from zoh.batch.tolerances import ON_TARGET, ROOM
 
 CHUNK = 1024  # loops at a time: their matrices stay in a core's own cache
 
 _ORDER = 6  # of the plant
 _DELAYS = 4  # whole samples: each is a power in the loop and a state in its motion
-_EDGE = 1e-11  # rad from the end of what a law can give: within rounding of it
-_TOL = 1e-9  # of the crossover and the margin: what a design promises
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,6 +37,7 @@ class Batch:
                  row of den is 1
     delay, lead  samples of dead time and compute delay: delay - lead, 0 <= lead < 1
     asked        the law's parameters;  regular  what is within every bound
+    beyond       what is, but for a crossover that is not below Nyquist's frequency
     """
 
     num: Array
@@ -47,6 +47,7 @@ class Batch:
     lead: Array
     asked: dict[str, Array]
     regular: Mask
+    beyond: Mask
 
 
 def covers(job: Job) -> bool:
@@ -73,20 +74,7 @@ def run(job: Job, columns: Columns) -> Results:
     >>> [Reason(code).name for code in found["reason"]]
     ['OK', 'INFEASIBLE', 'BEYOND_NYQUIST']
     """
-    n = length(job, columns)
-    out = empty(job, n)
-    for start in range(0, n, CHUNK):
-        part = slice(start, min(start + CHUNK, n))
-        here = {key: values[part] for key, values in columns.items()}
-        found, left = _some(job, here, part.stop - part.start)
-        for name, values in found.items():
-            out[name][part] = values
-        (which,) = np.nonzero(left)
-        if len(which):
-            again = single.run(job, {key: values[which] for key, values in here.items()})
-            for name, values in again.items():
-                out[name][start + which] = values
-    return out
+    return in_chunks(job, columns, CHUNK, some)
 
 
 def batch(job: Job, columns: Columns, n: int) -> Batch:
@@ -102,8 +90,10 @@ def batch(job: Job, columns: Columns, n: int) -> Batch:
     regular = (dt > 0) & (late >= 0) & (den[0] != 0) & np.any(num != 0, axis=0)
     for values in asked.values():
         regular &= values > 0
+    beyond = np.zeros(n, bool)
     if "pm_deg" in asked:
-        regular &= (asked["pm_deg"] < 180) & (asked["wc"] * dt < np.pi)
+        beyond = regular & ~(asked["wc"] * dt < np.pi)
+        regular &= (asked["pm_deg"] < 180) & ~beyond
     with np.errstate(all="ignore"):
         ratio = late / dt
         whole = np.abs(ratio - np.round(ratio)) <= 8 * np.spacing(ratio)
@@ -114,14 +104,15 @@ def batch(job: Job, columns: Columns, n: int) -> Batch:
         num, den = num * (job.plant.sensor / den[0]), den[::-1] / den[0]
     return Batch(
         num=num, den=den, dt=dt, delay=np.where(regular, delay, 0).astype(np.int64), lead=lead,
-        asked=asked, regular=regular,
+        asked=asked, regular=regular, beyond=beyond,
     )  # fmt: skip
 
 
-def _some(job: Job, columns: Columns, n: int) -> tuple[Results, Mask]:
+def some(job: Job, columns: Columns, n: int) -> tuple[Results, Mask]:
     """Return (the results of a chunk, which loops are left to the single design)."""
     wanted = batch(job, columns, n)
-    out, left = empty(job, n), ~wanted.regular
+    out, left = empty(job, n), ~(wanted.regular | wanted.beyond)
+    out["reason"][wanted.beyond] = Reason.BEYOND_NYQUIST
     for delay in np.unique(wanted.delay[wanted.regular]):
         (who,) = np.nonzero(wanted.regular & (wanted.delay == delay))
         found, doubt = _alike(job, only(wanted, who), int(delay))
@@ -140,7 +131,7 @@ def _alike(job: Job, wanted: Batch, delay: int) -> tuple[Results, Mask]:
         good, doubt = stable(loops)
     doubt |= ~plant.exact
     able = law.room > 0
-    doubt |= np.abs(law.room) <= _EDGE
+    doubt |= np.abs(law.room) <= ROOM
     out = empty(job, n)
     out["reason"][:] = np.where(able, np.where(good, Reason.OK, Reason.UNSTABLE), Reason.INFEASIBLE)
     for name, values in law.gains.items():
@@ -159,10 +150,10 @@ def _alike(job: Job, wanted: Batch, delay: int) -> tuple[Results, Mask]:
         for name in BY_NAME:
             out[name][who] = late[name] if name in late else figures[name]
         if "pm_deg" in wanted.asked:
-            off = np.abs(figures["phase_margin_deg"] - wanted.asked["pm_deg"][who]) > _TOL
-            off |= np.abs(figures["crossover"] / wanted.asked["wc"][who] - 1) > _TOL
+            off = np.abs(figures["phase_margin_deg"] - wanted.asked["pm_deg"][who]) > ON_TARGET
+            off |= np.abs(figures["crossover"] / wanted.asked["wc"][who] - 1) > ON_TARGET
             out["reason"][who[off]] = Reason.OFF_TARGET
-    return out, doubt & (able | (np.abs(law.room) <= _EDGE))
+    return out, doubt & (able | (np.abs(law.room) <= ROOM))
 
 
 def closed(job: Job, wanted: Batch, plant: Held, delay: int) -> tuple[Loops, Solved]:

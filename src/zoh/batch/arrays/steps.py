@@ -2,8 +2,8 @@
 
 Every sample is looked at while a mode lives that turns by more than a quarter of a radian in two
 of them; then every second, every fourth, ..., the matrices being squared. What was met at a long
-stride is closed in on by halving. A response is left where one mode, or one pair, is alone and
-cannot leave the band any more.
+stride is closed in on by halving. A response is left as soon as what remains of its modes cannot
+show anything new: see ``modes``.
 """
 
 import numpy as np
@@ -12,16 +12,12 @@ from zoh.batch.arrays.between import Piece, estimate, pieces
 from zoh.batch.arrays.closing import RISE, between, closed_in
 from zoh.batch.arrays.held import Held
 from zoh.batch.arrays.look import Index, Part, Seen, twice
-from zoh.batch.arrays.modes import BAND, Modes
+from zoh.batch.arrays.modes import Modes
 from zoh.batch.arrays.motion import Motion
 from zoh.batch.arrays.rows import Array, Complex, Mask
+from zoh.batch.tolerances import BAND, CREST, LEVELS, MOST, NOTHING, TURN
 
-_TURN = 0.25  # rad
-_CREST = 0.98  # of the band: between samples at a long stride it may be left
 _BLOCK = 16  # samples between two looks at which loops are done
-_NOTHING = 1e-10  # an overshoot below this part of the final value is rounding
-_LEVELS = 40
-_MOST = 4096  # samples at one stride after which a loop is left to the careful road
 
 
 def step_metrics(
@@ -36,20 +32,19 @@ def step_metrics(
     parts = pieces(plant, motion, delay)
     seen, at_crest, doubt = _followed(motion, parts, sign, size, z)
     closed_in(motion, sign, size, seen)
-    over, under = seen.top / size - 1, -seen.bottom / size
+    over = seen.top / size - 1
     most, least = np.maximum(seen.most, motion.at_rest), np.minimum(seen.least, motion.at_rest)
     reach = abs(reference)
     highest, when, known = between(motion, plant, parts, sign, seen, at_crest)
     beyond = highest / size - 1
     return {
-        "between.overshoot_pct": np.where(beyond > _NOTHING, 100 * beyond, 0.0),
-        "between.peak_time": np.where(beyond > _NOTHING, when * dt, np.nan),
-        "overshoot_pct": np.where(over > _NOTHING, 100 * over, 0.0),
-        "undershoot_pct": np.where(under > _NOTHING, 100 * under, 0.0),
+        "between.overshoot_pct": np.where(beyond > NOTHING, 100 * beyond, 0.0),
+        "between.peak_time": np.where(beyond > NOTHING, when * dt, np.nan),
+        "overshoot_pct": np.where(over > NOTHING, 100 * over, 0.0),
         "rise_time": (seen.k_90 - seen.k_10) * dt,
         "settling_time": (seen.k_out + 1) * dt,
         "peak": np.maximum(seen.top, size) * reach,
-        "peak_time": np.where(over > _NOTHING, seen.k_top * dt, np.nan),
+        "peak_time": np.where(over > NOTHING, seen.k_top * dt, np.nan),
         "steady_state_error": (1 - motion.final) * reference,
         "peak_effort": np.maximum(most, -least) * reach,
     }, doubt | ~known | (size == 0)
@@ -66,11 +61,11 @@ def _followed(
     lanes, moved = np.arange(count), motion.delta
     state, k = np.zeros(motion.output.shape), np.zeros(count)
     state[-1] = 1.0
-    for level in range(_LEVELS):
+    for level in range(LEVELS):
         stride = 2.0**level
         here = np.arange(len(lanes))
         waiting: list[Index] = []
-        for _ in range(_MOST // _BLOCK):
+        for _ in range(MOST // _BLOCK):
             who = lanes[here]
             zs = _run(moved, state, here)
             ys = _along(motion.output[:, who] * sign[who], zs)
@@ -84,7 +79,7 @@ def _followed(
             done, turning = modes.look(
                 who, k[here], part, motion.effort[:, who], motion.at_rest[who], state[:, here], seen
             )
-            on = ~done & (turning * 2 * stride <= _TURN)
+            on = ~done & (turning * 2 * stride <= TURN)
             waiting.append(here[on])
             here = here[~done & ~on]
             if not len(here):
@@ -188,11 +183,10 @@ def _note(seen: Seen, who: Index, ys: Array, size: Array, k: Array, stride: floa
             places[which] = k[new] + stride * np.sum(so_far[:, new] < level * size[new], axis=0)
             strides[which] = stride
     seen.top[who] = np.maximum(before, top)
-    seen.bottom[who] = np.minimum(seen.bottom[who], ys.min(axis=0))
     off = np.maximum.accumulate(np.abs(ys[::-1] - size), axis=0)
     _last(seen.k_out, seen.stride_out, who, off > BAND * size, k, stride)
     if stride > 1:
-        _last(seen.k_near, seen.stride_near, who, off > _CREST * BAND * size, k, stride)
+        _last(seen.k_near, seen.stride_near, who, off > CREST * BAND * size, k, stride)
 
 
 def _last(

@@ -9,8 +9,9 @@ from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled.jit import compiled, shared
 from zoh.batch.compiled.motion import SIZE, Motion
 from zoh.batch.compiled.plant import ORDER, Plant, advanced
+from zoh.batch.tolerances import REACH, TAYLOR
 
-_REACH, _TERMS, _LAST = 20.0, 72, 1e-15
+_LAST = 1e-15  # of the piece: a step this small is rounding
 _NOTHING = 1e-18
 
 
@@ -38,7 +39,7 @@ def pieces() -> Pieces:
         y0=np.zeros(rows), y1=np.zeros(rows), slope0=np.zeros(rows), slope1=np.zeros(rows),
         state=np.zeros((3, ORDER, SIZE)), input=np.zeros(rows), ends=np.zeros(3),
         delta=np.zeros((ORDER, ORDER)), b=np.zeros(ORDER), matrix=np.zeros((ORDER, ORDER)),
-        series=np.zeros(_TERMS + ORDER + 1), input_slope=np.zeros(1),
+        series=np.zeros(TAYLOR + ORDER + 1), input_slope=np.zeros(1),
     )  # fmt: skip
 
 
@@ -131,7 +132,7 @@ def crest(
         g[i] = x + p.markov[i - 1] * u if i else x
     g[n] = last + p.markov[n - 1] * u
     terms, bulk = n, 1.0
-    while terms < _TERMS and (terms < n + 2 or terms <= reach or bulk > _NOTHING):
+    while terms < TAYLOR and (terms < n + 2 or terms <= reach or bulk > _NOTHING):
         terms += 1
         bulk *= reach / (terms - n)
         total = 0.0
@@ -153,7 +154,7 @@ def crest(
             value = value * t + g[k]
         height = value + p.numbers[0] * u
         when = q.ends[piece] + t * (q.ends[piece + 1] - q.ends[piece])
-    return height, when, reach <= _REACH
+    return height, when, reach <= REACH
 
 
 @compiled

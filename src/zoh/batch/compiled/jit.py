@@ -35,7 +35,8 @@ def kept(function: Function) -> Function:
 
 
 def stamp() -> int:
-    """Return a number that changes with any source in this folder."""
-    sources = sorted((f.name, f.read_bytes()) for f in files(__package__).iterdir()
-                     if f.name.endswith(".py"))  # fmt: skip
-    return int.from_bytes(sha256(repr(sources).encode()).digest()[:6])
+    """Return a number that changes with any source in this folder, and with the tolerances."""
+    here = files(__package__)
+    read = {f.name: f.read_bytes() for f in here.iterdir() if f.name.endswith(".py")}
+    read["tolerances"] = files("zoh.batch").joinpath("tolerances.py").read_bytes()
+    return int.from_bytes(sha256(repr(sorted(read.items())).encode()).digest()[:6])

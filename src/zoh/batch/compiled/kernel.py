@@ -16,8 +16,8 @@ from zoh.batch.compiled.margins import measured, stable
 from zoh.batch.compiled.motion import Law, Motion
 from zoh.batch.compiled.plant import Plant, held
 from zoh.batch.compiled.polynomials import on_axis, times
+from zoh.batch.tolerances import HELD, ON_TARGET, ROOM
 
-_EDGE, _TOL, _EXACT = 1e-11, 1e-9, 1e-12
 GAINS = 4  # at most, of a law
 GIVEN = 6
 _GRID = np.geomspace(1e-7, 1e4, 45)  # of |p|
@@ -65,7 +65,7 @@ def one(
     for k in range(n + 1):
         p.b[k], p.a[k] = num[k, i], den[k, i]
     held(p, n, dt, lead)
-    if not abs(p.numbers[3]) <= _EXACT:
+    if not abs(p.numbers[3]) <= HELD:
         return True
     x = tan(wc * dt / 2.0)
     if code == GIVEN:
@@ -75,7 +75,7 @@ def one(
         lag = 2.0 / (pole * dt) if pole > 0.0 else 1.0
         c = laws.solve(law, p, n, delay, code, x, dt, pm_deg, spare, lag)
     room = law.numbers[1]
-    if not abs(room) > _EDGE:
+    if not abs(room) > ROOM:
         return True
     if room < 0.0:
         reason[i] = INFEASIBLE
@@ -101,8 +101,8 @@ def one(
     reason[i] = OK
     if code != GIVEN:
         off = (
-            abs(margin[margins.PM] - pm_deg) > _TOL
-            or abs(margin[margins.CROSSOVER] / wc - 1.0) > _TOL
+            abs(margin[margins.PM] - pm_deg) > ON_TARGET
+            or abs(margin[margins.CROSSOVER] / wc - 1.0) > ON_TARGET
         )
         if off:
             reason[i] = OFF_TARGET

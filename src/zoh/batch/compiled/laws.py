@@ -6,9 +6,9 @@ from zoh.batch.compiled.jit import compiled
 from zoh.batch.compiled.motion import Law
 from zoh.batch.compiled.plant import Plant
 from zoh.batch.compiled.polynomials import on_axis
+from zoh.batch.tolerances import SAME_TURN
 
 CODES = {"p": 0, "pi": 1, "pd": 2, "pid": 3, "lag": 4, "lead": 5, "given": 6}
-_SAME = 1e-12
 
 
 @compiled
@@ -30,7 +30,7 @@ def solve(
     out = law.numbers
     if code == 0:
         law.num[0], law.den[0] = 1.0 / size, 1.0
-        out[0], out[1], out[2] = 1.0 / size, _SAME - abs(theta), 1.0 / size
+        out[0], out[1], out[2] = 1.0 / size, SAME_TURN - abs(theta), 1.0 / size
         return 0
     if code == 1:
         share = -x * imag

@@ -17,15 +17,12 @@ from zoh.batch.compiled.polynomials import (
     with_slope,
     without,
 )
+from zoh.batch.tolerances import DROP, ON_IT_DEG, PIVOT, UNITY
 
-_PIVOT = 1e-11
-_ONE = 1e-11
 _GRID = np.geomspace(1e-2, 1e4, 16)
 _LAST = 1e-8  # relative: the error after a Newton's step as small as this is its square
 _POLISH = 3
 _STEPS = 100
-_DROP = 10.0**-0.3
-_ON_IT_DEG = 1e-12
 _AT_ONE = 1e-10  # of its terms: what is left of the gain at the crossover it was solved at
 
 # places of the figures
@@ -61,7 +58,7 @@ def stable(num: Array, den: Array, n: int, c: Array, d: Array) -> tuple[bool, bo
         for k in range(rest):
             bulk = max(bulk, abs(d[k]))
         good = good and d[0] * sign > 0.0
-        doubt = doubt or abs(d[0]) <= _PIVOT * bulk
+        doubt = doubt or abs(d[0]) <= PIVOT * bulk
         factor = c[0] / d[0]
         first = abs(c[1]) + abs(factor * d[1]) if m > 1 else 0.0
         for k in range(m - 1):
@@ -70,7 +67,7 @@ def stable(num: Array, den: Array, n: int, c: Array, d: Array) -> tuple[bool, bo
         m -= 1
         if m == 0:
             break
-        doubt = doubt or abs(c[0]) <= _PIVOT * first
+        doubt = doubt or abs(c[0]) <= PIVOT * first
         m, rest = rest, m
         for k in range(max(m, rest)):
             c[k], d[k] = d[k], c[k]
@@ -85,8 +82,8 @@ def by_gain(
     """Write what the gain crossings say; return any doubt."""
     count, doubt = unities(gain, n, roots, work)
     top, bottom = abs(num[n]), abs(den[n])
-    doubt = doubt or abs(top - bottom) <= _ONE * bottom
-    doubt = doubt or abs(abs(num[0]) - abs(den[0])) <= _ONE * abs(den[0])
+    doubt = doubt or abs(top - bottom) <= UNITY * bottom
+    doubt = doubt or abs(abs(num[0]) - abs(den[0])) <= UNITY * abs(den[0])
     out[PM], out[CROSSOVER], out[DELAY] = inf, nan, inf
     for k in range(count):
         v = sqrt(roots[k])
@@ -105,7 +102,7 @@ def by_gain(
         if pm <= -180.0:
             pm = 180.0
         w = frequency(x, dt, v)
-        late = 0.0 if abs(pm) < _ON_IT_DEG else radians(pm) % (2.0 * pi) / w
+        late = 0.0 if abs(pm) < ON_IT_DEG else radians(pm) % (2.0 * pi) / w
         out[DELAY] = min(out[DELAY], late)
         if abs(pm) < abs(out[PM]):
             out[PM], out[CROSSOVER] = pm, w
@@ -186,7 +183,7 @@ def by_phase(
 def lowest(
     a: Array, b: Array, n: int, roots: Array, work: Array, rest: Array, grid: Array
 ) -> tuple[float, bool]:
-    """Return (v where a/b is least over q = v^2, whether in doubt); grid has the shape (2, 40)."""
+    """Return (v where a/b is least over q = v^2, whether in doubt); grid has two rows."""
     best = on_grid(a, b, n, grid)
     q, inside = flat(a, b, n, _GRID[best - 1], _GRID[best + 1], _GRID[best])
     value = at(a, n, q) / at(b, n, q)
@@ -355,7 +352,7 @@ def measured(
     doubt = doubt or unsure
     _, _, s, d = sizes(num, den, n, v)
     out[DISK] = 2.0 * s / d
-    at_rest = _DROP * nn[0] / aa[0]
+    at_rest = DROP * nn[0] / aa[0]
     out[BANDWIDTH] = nan
     if at_rest > 0.0:
         for k in range(n + 1):

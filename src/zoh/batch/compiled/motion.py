@@ -9,9 +9,10 @@ from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled.jit import compiled
 from zoh.batch.compiled.plant import ORDER, Plant
 from zoh.batch.compiled.polynomials import MOST
+from zoh.batch.tolerances import APART
 
+_ROOTS = 60  # Aberth's steps at most
 SIZE = 15  # of Z: a plant of order 6, four inputs under way, a controller of order 3, a one
-_ROOTS, _ENOUGH = 60, 1e-4
 
 
 class Law(NamedTuple):
@@ -170,7 +171,7 @@ def poles(m: Motion, num: Array, den: Array, n: int, x: float) -> None:
                 continue
             dr, di = (fr * qr + fi * qi) / square, (fi * qr - fr * qi) / square
             re[i], im[i] = a - dr, b - di
-            if abs(dr) + abs(di) > _ENOUGH * (abs(a) + abs(b)):
+            if abs(dr) + abs(di) > APART * (abs(a) + abs(b)):
                 moving = True
         if not moving:
             break

@@ -10,18 +10,17 @@ import numpy as np
 
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled.jit import compiled, shared
+from zoh.batch.tolerances import EULERS, SERIES, SLOW, SMALL
 
 ORDER = 6
-_SMALL, _SLOW = 0.5, 1.5
-TERMS, _EULER_TERMS = 18, 40
 _NOTHING = 1e-18
 
 
 def _eulers() -> Array:
     """Return E_k(0)/k!, from 2 = (e^x + 1) sum_k E_k(0)/k! x^k."""
-    found = np.zeros(_EULER_TERMS + 1)
+    found = np.zeros(EULERS + 1)
     found[0] = 1.0
-    for k in range(1, _EULER_TERMS + 1):
+    for k in range(1, EULERS + 1):
         weight, total = 1.0, 0.0
         for j in range(k - 1, -1, -1):
             weight /= k - j
@@ -31,7 +30,7 @@ def _eulers() -> Array:
 
 
 _EULER = _eulers()
-_FACTORIAL = np.cumprod(np.concatenate([[1.0], np.arange(1.0, _EULER_TERMS + 2)]))
+_FACTORIAL = np.cumprod(np.concatenate([[1.0], np.arange(1.0, EULERS + 2)]))
 
 
 class Plant(NamedTuple):
@@ -61,8 +60,8 @@ def plant() -> Plant:
     n = ORDER
     return Plant(
         top=np.zeros(2 * n), bottom=np.zeros(2 * n), delta=np.zeros((n, n)), before=np.zeros(n),
-        after=np.zeros(n), rows=np.zeros((n + TERMS + 1, n)),
-        markov=np.zeros(_EULER_TERMS + n + 2), a=np.zeros(n + 1), b=np.zeros(n + 1),
+        after=np.zeros(n), rows=np.zeros((n + SERIES + 1, n)),
+        markov=np.zeros(EULERS + n + 2), a=np.zeros(n + 1), b=np.zeros(n + 1),
         matrix=np.zeros((n, n)), other=np.zeros((n, n)), fl=np.zeros((n, n)), numbers=np.zeros(5),
     )  # fmt: skip
 
@@ -98,15 +97,15 @@ def held(p: Plant, n: int, dt: float, lead: float) -> None:
         rest, power = rest + 1, 2.0 * power
     at_rest = power * a[rest] / b[0] if b[0] != 0.0 else 0.0
     unit, halvings = 1.0, 0
-    while reach * unit > _SMALL and halvings < 60:
+    while reach * unit > SMALL and halvings < 60:
         unit, halvings = unit / 2.0, halvings + 1
     numbers[1] = 1.0 / unit
-    terms = min(n + needed(reach * unit), TERMS)  # the first n may be 0
+    terms = min(n + needed(reach * unit), SERIES)  # the first n may be 0
     numbers[4] = terms
     euler = 0
-    if reach <= _SLOW:
+    if reach <= SLOW:
         size = 1.0
-        while euler < _EULER_TERMS and (euler < n + 2 or size > _NOTHING):
+        while euler < EULERS and (euler < n + 2 or size > _NOTHING):
             euler += 1
             size *= reach / pi if euler > n else 1.0
     count = max(terms + n, euler) + 1
@@ -145,7 +144,7 @@ def held(p: Plant, n: int, dt: float, lead: float) -> None:
 def needed(reach: float) -> int:
     """Return how many terms the exponential's series needs."""
     m, size = 0, 1.0
-    while m < TERMS and size > _NOTHING:
+    while m < SERIES and size > _NOTHING:
         m += 1
         size *= reach / m
     return m

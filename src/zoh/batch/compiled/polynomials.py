@@ -9,11 +9,11 @@ import numpy as np
 
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled.jit import compiled, shared
+from zoh.batch.tolerances import DOUBLE
 
 MOST = 32  # places of every work array
 _STEPS = 120
 _LAST = 1e-8  # relative: the error after a Newton's step as small as this is its square
-_DOUBLE = 1e-10
 
 
 @compiled
@@ -146,7 +146,7 @@ def positive_roots(a: Array, n: int, roots: Array, work: Array) -> tuple[int, bo
     found = of_quadratic(work[max(n - 2, 0)], roots, low, high)
     if n == 2:
         c = top[1] * top[1] - 4.0 * top[0] * top[2]
-        return found, abs(c) <= 4.0 * _DOUBLE * top[1] * top[1]
+        return found, abs(c) <= 4.0 * DOUBLE * top[1] * top[1]
     edges, inner = work[MOST - 1], 0
     for level in range(n - 3, -1, -1):
         degree, poly = n - level, work[level]
@@ -167,7 +167,7 @@ def positive_roots(a: Array, n: int, roots: Array, work: Array) -> tuple[int, bo
         bulk, x = abs(top[n]), edges[k]
         for j in range(n - 1, -1, -1):
             bulk = bulk * x + abs(top[j])
-        doubt = doubt or abs(at(top, n, x)) <= _DOUBLE * bulk
+        doubt = doubt or abs(at(top, n, x)) <= DOUBLE * bulk
     return found, doubt
 
 

@@ -1,18 +1,20 @@
 """A batch by the compiled arithmetic, on every core that is given.
 
-What it leaves, the single design does, as ``zoh.batch.arrays`` has it.
+What floats cannot decide is left to the single design, as by ``zoh.batch.arrays``.
 """
 
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 import numpy as np
-from numba import get_num_threads
+import numpy.typing as npt
+from numba import config
 
 from zoh.analysis.realised import realised
-from zoh.batch import single
-from zoh.batch.arrays.rows import Array
+from zoh.batch.arrays.rows import Array, Mask
 from zoh.batch.arrays.run import Batch, batch, covers
 from zoh.batch.backend import CORES
+from zoh.batch.chunks import in_chunks
 from zoh.batch.columns import Columns, Results, empty, length
 from zoh.batch.compiled import kernel, laws, margins, steps
 from zoh.batch.compiled.kernel import GAINS, GIVEN, Work
@@ -49,24 +51,11 @@ def run(job: Job, columns: Columns, threads: int | None = None) -> Results:
     >>> [Reason(code).name for code in found["reason"]]
     ['OK', 'INFEASIBLE', 'BEYOND_NYQUIST']
     """
-    n = length(job, columns)
-    out = empty(job, n)
-    cores = threads or CORES.get() or get_num_threads()
-    many = min(cores, -(-n // _STRETCH))
-    with ThreadPoolExecutor(max(many, 1)) as pool:
-        works = [_work(job) for _ in range(max(many, 1))]
-        for start in range(0, n, CHUNK):
-            part = slice(start, min(start + CHUNK, n))
-            here = {key: values[part] for key, values in columns.items()}
-            found, left = _chunk(job, here, part.stop - part.start, pool, works)
-            for name, values in found.items():
-                out[name][part] = values
-            (which,) = np.nonzero(left)
-            if len(which):
-                again = single.run(job, {key: values[which] for key, values in here.items()})
-                for name, values in again.items():
-                    out[name][start + which] = values
-    return out
+    cores = threads or CORES.get() or int(vars(config)["NUMBA_NUM_THREADS"])
+    many = max(1, min(cores, -(-length(job, columns) // _STRETCH)))
+    works = [_work(job) for _ in range(many)]
+    with ThreadPoolExecutor(many) as pool:
+        return in_chunks(job, columns, CHUNK, partial(_some, pool, works))
 
 
 def _work(job: Job) -> Work:
@@ -87,13 +76,15 @@ def _work(job: Job) -> Work:
     return work
 
 
-def _chunk(
-    job: Job, columns: Columns, n: int, pool: ThreadPoolExecutor, works: list[Work]
-) -> tuple[Results, np.ndarray]:
+def _some(
+    pool: ThreadPoolExecutor, works: list[Work], job: Job, columns: Columns, n: int
+) -> tuple[Results, Mask]:
+    """Return (the results of a chunk, which loops are left to the single design)."""
     wanted = batch(job, columns, n)
     gains = np.full((n, GAINS), np.nan)
     margin, step = np.full((n, margins.FIGURES), np.nan), np.full((n, steps.FIGURES), np.nan)
     reason, left = np.full(n, Reason.MALFORMED, np.int8), ~wanted.regular
+    reason[wanted.beyond] = Reason.BEYOND_NYQUIST
     asked = _asked(job, wanted, n)
     ends = np.linspace(0, n, len(works) + 1).astype(int)
 
@@ -105,7 +96,7 @@ def _chunk(
         )  # fmt: skip
 
     list(pool.map(go, range(len(works))))
-    return _results(job, gains, margin, step, reason), left
+    return _results(job, gains, margin, step, reason), left & ~wanted.beyond
 
 
 def _asked(job: Job, wanted: Batch, n: int) -> tuple[Array, Array, Array, Array]:
@@ -119,7 +110,9 @@ def _asked(job: Job, wanted: Batch, n: int) -> tuple[Array, Array, Array, Array]
     return asked["wc"], asked["pm_deg"], spare, asked.get("filter_pole", zero)
 
 
-def _results(job: Job, gains: Array, margin: Array, step: Array, reason: np.ndarray) -> Results:
+def _results(
+    job: Job, gains: Array, margin: Array, step: Array, reason: npt.NDArray[np.int8]
+) -> Results:
     out = empty(job, len(reason))
     has = np.isin(reason, (Reason.OK, Reason.OFF_TARGET))
     for place, name in enumerate(gain_names(job.law)):

@@ -6,10 +6,8 @@ from zoh.batch.compiled.jit import compiled
 from zoh.batch.compiled.motion import Motion
 from zoh.batch.compiled.track import (
     AT_CREST,
-    BAND,
     BEFORE,
     BLOCK,
-    BOTTOM,
     CREST,
     K1,
     K2,
@@ -33,6 +31,7 @@ from zoh.batch.compiled.track import (
     along,
     move,
 )
+from zoh.batch.tolerances import BAND
 
 
 @compiled
@@ -65,7 +64,7 @@ def note(
     size: int,
 ) -> None:  # fmt: skip
     """Note what the samples of a block show."""
-    top, bottom, most, least = seen[TOP], seen[BOTTOM], seen[MOST_U], seen[LEAST_U]
+    top, most, least = seen[TOP], seen[MOST_U], seen[LEAST_U]
     k_out = seen[K_OUT]
     for i in range(BLOCK):
         y = u = 0.0
@@ -80,14 +79,13 @@ def note(
                 if y >= 0.9 * full:
                     seen[K_90] = k + i
             top, seen[K_TOP] = y, k + i
-        bottom = min(bottom, y)
         most, least = max(most, u), min(least, u)
         if abs(y - full) > BAND * full:
             k_out = k + i
         if i >= BLOCK - 2:
             seen[Y2], seen[U2], seen[K2] = seen[Y1], seen[U1], seen[K1]
             seen[Y1], seen[U1], seen[K1] = y, u, k + i
-    seen[TOP], seen[BOTTOM], seen[MOST_U], seen[LEAST_U] = top, bottom, most, least
+    seen[TOP], seen[MOST_U], seen[LEAST_U] = top, most, least
     seen[K_OUT] = k_out
 
 

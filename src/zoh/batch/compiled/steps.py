@@ -3,7 +3,7 @@
 What a long stride meets is closed in on at once, from the sample before.
 """
 
-from math import ceil, inf, log, nan
+from math import ceil, inf, nan
 
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled.between import Pieces, crest
@@ -14,7 +14,6 @@ from zoh.batch.compiled.samples import every_sample
 from zoh.batch.compiled.strides import long_stride
 from zoh.batch.compiled.track import (
     AT_CREST,
-    BAND,
     BLOCK,
     CREST,
     FOUND,
@@ -26,7 +25,6 @@ from zoh.batch.compiled.track import (
     K_TOP,
     KEPT,
     LEAST_U,
-    LEVELS,
     MOST_U,
     NEXT,
     OTHER,
@@ -40,13 +38,7 @@ from zoh.batch.compiled.track import (
     start,
     twice,
 )
-
-_LOST = 2e-9
-_TURN = 0.25
-_NEAR = 0.9
-_QUIET = log(1e8)
-_NOTHING = 1e-10
-_MOST = 4096
+from zoh.batch.tolerances import BAND, LEVELS, LOST, MOST, NEAR, NOTHING, QUIET, TURN
 
 # places of the figures
 (
@@ -73,11 +65,11 @@ def step_metrics(
         for i in range(WIDE):
             ladder[0, j, i] = m.delta[i, j] if i < size else 0.0
     slowest = max(slowest, 1e-14)
-    end = max(8.0, ceil(_QUIET / slowest) + 4.0 * size)
+    end = max(8.0, ceil(QUIET / slowest) + 4.0 * size)
     k, level, done, lost = 0.0, 0, False, True
     while level < LEVELS:
         twice(ladder[level], size, ladder[level + 1])
-        for _ in range(_MOST // BLOCK):
+        for _ in range(MOST // BLOCK):
             if level == 0:
                 every_sample(
                     m, pieces, count, n, ladder[0], zs[KEPT:], zs, seen, sign, full, k, size
@@ -93,7 +85,7 @@ def step_metrics(
             if done or k > end:
                 lost = False
                 break
-            if turning * 2.0 * 2.0**level <= _TURN:
+            if turning * 2.0 * 2.0**level <= TURN:
                 lost = False
                 break
         if lost or done or k > end:
@@ -128,7 +120,7 @@ def look(
             b[size - 1] = 0.0
             for j in range(size):
                 a[j] = b[j]
-    reach = _LOST * max(abs(seen[MOST_U]), abs(seen[LEAST_U]))
+    reach = LOST * max(abs(seen[MOST_U]), abs(seen[LEAST_U]))
     of_y = of_u = slow_y = slow_u = fast_y = fast_u = turning = 0.0
     for i in range(order):
         yr = yi = ur = ui = 0.0
@@ -143,11 +135,11 @@ def look(
             slow_y, slow_u = slow_y + yr, slow_u + ur
         else:
             fast_y, fast_u = fast_y + size_y, fast_u + size_u
-        if not (size_y <= _LOST * full and size_u <= reach):
+        if not (size_y <= LOST * full and size_u <= reach):
             turning = max(turning, m.turn[i])
-    still = of_y < _NEAR * BAND * full
+    still = of_y < NEAR * BAND * full
     higher = 0.0 if fast_y <= -slow_y else fast_y + max(slow_y, 0.0)
-    still = still and (higher <= seen[TOP] - full or of_y <= _LOST * full)
+    still = still and (higher <= seen[TOP] - full or of_y <= LOST * full)
     higher = 0.0 if fast_u <= -slow_u else fast_u + max(slow_u, 0.0)
     lower = 0.0 if fast_u <= slow_u else fast_u + max(-slow_u, 0.0)
     fits = at_rest + higher <= seen[MOST_U] and at_rest - lower >= seen[LEAST_U]
@@ -181,12 +173,12 @@ def figures(
 ) -> None:  # fmt: skip
     """Write the metrics."""
     over, beyond = seen[TOP] / full - 1.0, seen[HIGHEST] / full - 1.0
-    out[OVERSHOOT] = 100.0 * over if over > _NOTHING else 0.0
+    out[OVERSHOOT] = 100.0 * over if over > NOTHING else 0.0
     out[RISE] = (seen[K_90] - seen[K_10]) * dt
     out[SETTLING] = (seen[K_OUT] + 1.0) * dt
     out[PEAK] = max(seen[TOP], full) * abs(reference)
-    out[PEAK_TIME] = seen[K_TOP] * dt if over > _NOTHING else nan
+    out[PEAK_TIME] = seen[K_TOP] * dt if over > NOTHING else nan
     out[ERROR] = (1.0 - final) * reference
     out[EFFORT] = max(max(seen[MOST_U], at_rest), -min(seen[LEAST_U], at_rest)) * abs(reference)
-    out[BETWEEN_OVERSHOOT] = 100.0 * beyond if beyond > _NOTHING else 0.0
-    out[BETWEEN_TIME] = seen[WHEN] * dt if beyond > _NOTHING else nan
+    out[BETWEEN_OVERSHOOT] = 100.0 * beyond if beyond > NOTHING else 0.0
+    out[BETWEEN_TIME] = seen[WHEN] * dt if beyond > NOTHING else nan

@@ -6,10 +6,8 @@ from zoh.batch.compiled.jit import compiled
 from zoh.batch.compiled.motion import Motion
 from zoh.batch.compiled.plant import Plant
 from zoh.batch.compiled.track import (
-    BAND,
     BEFORE,
     BLOCK,
-    BOTTOM,
     FOUND,
     HIGHEST,
     K1,
@@ -36,8 +34,7 @@ from zoh.batch.compiled.track import (
     move,
     pass_on,
 )
-
-_CREST = 0.98  # of the band: between samples at a long stride it may be left
+from zoh.batch.tolerances import BAND, CREST
 
 
 @compiled
@@ -69,7 +66,7 @@ def long_stride(
                 m, p, pieces, count, n, ladder, level, zs, seen, sign, start, here, size
             )
             unknown = unknown or lost
-        if off1 >= off2 and off1 > side * (y - full) and off1 > _CREST * BAND * full:
+        if off1 >= off2 and off1 > side * (y - full) and off1 > CREST * BAND * full:
             crest_of_band(m, ladder, level, zs, seen, sign, full, side, start, here, size)
         for way in (1.0, -1.0):
             place = MOST_U if way > 0.0 else LEAST_U
@@ -83,7 +80,6 @@ def long_stride(
                 seen[place] = way * max(way * seen[place], way * along(m.effort, zs[THERE], size))
         if y > seen[TOP]:
             seen[TOP], seen[K_TOP] = y, here
-        seen[BOTTOM] = min(seen[BOTTOM], y)
         seen[MOST_U], seen[LEAST_U] = max(seen[MOST_U], u), min(seen[LEAST_U], u)
         if abs(y - full) > BAND * full:
             seen[K_OUT] = here

@@ -6,18 +6,17 @@ import numpy as np
 
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled.jit import compiled, shared
+from zoh.batch.tolerances import LEVELS
 
-BAND = 0.02
 BLOCK = 32  # samples between two looks at whether a loop is done
-LEVELS = 40
 WIDE, NARROW = 16, 8  # numbers that are moved at once, a whole number of vectors; the rest are 0
 
 # places of what is seen
 (
-    TOP, K_TOP, BOTTOM, MOST_U, LEAST_U, K_10, K_90, K_OUT, HIGHEST, WHEN, CREST, K_CREST, PIECE,
+    TOP, K_TOP, MOST_U, LEAST_U, K_10, K_90, K_OUT, HIGHEST, WHEN, CREST, K_CREST, PIECE,
     Y1, Y2, U1, U2, K1, K2,
-) = range(19)  # fmt: skip
-SEEN = 19
+) = range(18)  # fmt: skip
+SEEN = 18
 # places of the states that are kept
 Z, NEXT, LAST, BEFORE, AT_CREST, FOUND, THERE, OTHER = range(8)
 KEPT = 8
@@ -99,7 +98,7 @@ def start(seen: Array) -> None:
     """Forget what was seen."""
     for i in range(SEEN):
         seen[i] = -1.0
-    seen[TOP], seen[BOTTOM], seen[MOST_U], seen[LEAST_U] = -inf, inf, -inf, inf
+    seen[TOP], seen[MOST_U], seen[LEAST_U] = -inf, -inf, inf
     seen[HIGHEST], seen[CREST] = -inf, -inf
 
 

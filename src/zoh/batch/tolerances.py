@@ -1,0 +1,30 @@
+"""What both fast arithmetics of a batch hold to: when floats do not decide, what no longer counts.
+
+One list, so that the two leave the same loops to the single design and stop at the same place.
+"""
+
+from math import log
+
+PIVOT = 1e-11  # of its terms: an element of Routh's scheme whose sign rounding may have made
+DOUBLE = 1e-10  # of its terms: a polynomial's value at an extreme that may be 0
+UNITY = 1e-11  # |L| this near to 1 at an end of the axis is for exact arithmetic to decide
+ROOM = 1e-11  # rad from the end of what a law can give: within rounding of it
+SAME_TURN = 1e-12  # rad; a P turns the phase by nothing, but for rounding
+ON_TARGET = 1e-9  # of the crossover, and deg of the margin: what a design promises
+ON_IT_DEG = 1e-12  # a margin this small is 0: a few roundings of the angle
+DROP = 10.0**-0.3  # 3 dB below, squared
+
+SMALL = 0.5  # the norm of A dt up to which the exponential's series is taken as it stands
+SERIES = 18  # its terms: 0.5^18/18! is 6e-22
+SLOW, EULERS = 1.5, 40  # the reach of the series at z = -1, and its terms: (1.5/pi)^40 is 1e-13
+HELD = 1e-12  # what a dozen roundings leave of the gain at rest of what is held
+REACH, TAYLOR = 20.0, 72  # |A| dt up to which the series between samples keeps its digits; terms
+
+APART = 1e-4  # of a pole: three digits of it say how it turns
+LOST = 2e-9  # of the final value: what is left of a mode no longer says where to look
+QUIET = log(1e8)  # the slowest mode is followed until it has fallen so far
+TURN = 0.25  # rad that a mode turns at most between two samples that are looked at
+BAND, NEAR = 0.02, 0.9  # a response has settled in its band; alone and in this part of it it stays
+CREST = 0.98  # of the band: between samples at a long stride it may be left
+NOTHING = 1e-10  # an overshoot below this part of the final value is rounding
+LEVELS, MOST = 40, 4096  # doublings of the stride, and samples at one, that a loop is followed for
