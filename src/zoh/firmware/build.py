@@ -1,10 +1,11 @@
 """A controller in one realisation and one number format, fitted, put together, verified again."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from math import sqrt
+from typing import TypedDict
 
 from zoh.analysis.tabled.verify import TableVerified, verify_table
 from zoh.analysis.verify import verify
@@ -13,11 +14,11 @@ from zoh.firmware.asked import Asked, Design
 from zoh.firmware.book import Format
 from zoh.firmware.cascade import CascadeStep
 from zoh.firmware.levels import levelled
-from zoh.firmware.linear import transfer
+from zoh.firmware.linear import reference_path, transfer
 from zoh.firmware.lines import Number, Program
 from zoh.firmware.pid import PidStep
 from zoh.firmware.ranges import Overflow, Ranges, proved
-from zoh.firmware.realise import Parallel, from_d, parallel, sections
+from zoh.firmware.realise import Parallel, from_d, in_parts, parallel, sections
 from zoh.lti.systems import Sampled
 
 Step = PidStep | CascadeStep
@@ -109,7 +110,7 @@ def built(request: Asked, realisation: str, step: Step) -> Built:
     step, program, ranges = _fitted(step, request)
     design = request.verified
     try:
-        quantised = _verified_again(request, controller_of(program, step.format, design.dt))
+        quantised = _verified_again(request, program, step.format)
     except NotMet as missed:
         told = tuple(f"rounded to {step.format.number}: {m}" for m in missed.misses)
         raise NotMet(told, missed.measured) from None
@@ -125,9 +126,10 @@ def controller_of(program: Program, form: Format, dt: float) -> Sampled:
     return from_d(tuple(c / form.gain for c in num), den, dt)
 
 
-def _verified_again(request: Asked, controller: Sampled) -> Design:
-    """Return the loop of another controller, verified as the design was, on its model or table."""
+def _verified_again(request: Asked, program: Program, form: Format) -> Design:
+    """Return the loop that a program makes, verified as the design was, on its model or table."""
     d, asked = request.verified, request.eased
+    controller = controller_of(program, form, d.dt)
     if isinstance(d, TableVerified):
         return verify_table(
             d.plant, controller, compute_delay=d.compute_delay, requirements=asked, law=d.law,
@@ -135,8 +137,41 @@ def _verified_again(request: Asked, controller: Sampled) -> Design:
         )  # fmt: skip
     return verify(
         d.plant, controller, compute_delay=d.compute_delay, requirements=asked,
-        reference=d.reference, law=d.law, gains=d.gains, name=d.name,
+        reference=d.reference, law=d.law, name=d.name, **_entered(request, program, form),
     )  # fmt: skip
+
+
+class Entered(TypedDict, total=False):
+    """Gains, and the weights with which the reference enters."""
+
+    gains: Mapping[str, float]
+    setpoint_weight: float
+    derivative_weight: float
+
+
+def _entered(request: Asked, program: Program, form: Format) -> Entered:
+    """Return how the reference enters; where it is weighted, as the program's own lines have it."""
+    if request.setpoint_weight == request.derivative_weight == 1:
+        return {"gains": request.verified.gains}
+    law, path = in_parts(*transfer(program)), in_parts(*reference_path(program))
+    assert law is not None, "weights belong to the parallel form"
+    assert path is not None, "weights belong to the parallel form"
+    assert law.ki == path.ki, "the integral sees the whole reference"
+    dt, gain = Fraction(request.verified.dt), form.gain
+    kp, on_r = law.kp - law.ki / 2, path.kp - path.ki / 2
+    found: dict[str, Fraction] = {"kp": kp / gain}
+    # a weight of 0 of which rounding leaves a part of a step below 0 is 0
+    entered: Entered = {"setpoint_weight": max(0.0, float(on_r / kp))}
+    if law.ki:
+        found["ki"] = law.ki / dt / gain
+    if law.filters:
+        (part,) = law.filters
+        seen = sum(f.kd for f in path.filters)
+        found |= {"kd": part.kd * dt / part.alpha / gain}
+        found |= {"filter_pole": 2 / (dt * (2 / part.alpha - 1))}
+        entered["derivative_weight"] = float(seen / part.kd)
+    entered["gains"] = {name: float(value) for name, value in found.items()}
+    return entered
 
 
 def _fitted(step: Step, request: Asked) -> tuple[Step, Program, Ranges | None]:

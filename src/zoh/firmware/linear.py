@@ -46,6 +46,8 @@ def left(line: Line) -> str:
 def transfer(program: Program) -> tuple[Exact, Exact]:
     """Return num and den in d = z - 1 of the step from -y to u, with r = ff = 0, in steps.
 
+    It is what the loop is closed with; ``reference_path`` is the same from r.
+
     >>> from zoh.firmware.lines import Coefficient, Routine, State, Writer
     >>> w = Writer()
     >>> x = w.add("new", "x", w.sub("e", "r", "y"))
@@ -59,22 +61,31 @@ def transfer(program: Program) -> tuple[Exact, Exact]:
     >>> transfer(program) == ((0, 1), (1, 0))  # 1/(z - 1)
     True
     """
+    return _from_input(program, "y", -1)
+
+
+def reference_path(program: Program) -> tuple[Exact, Exact]:
+    """Return num and den in d = z - 1 of the step from r to u, with y = ff = 0, in steps."""
+    return _from_input(program, "r", 1)
+
+
+def _from_input(program: Program, name: str, sign: int) -> tuple[Exact, Exact]:
     found, stores = rows(program), dict(program.step.stores)
     u = found[str(program.step.result)]
-    states = _acting(found, stores, u)
+    states = _acting(found, stores, u, name)
     moved = [found[stores[s]] for s in states]
     a = [
         [row.get(t, Fraction(0)) - (s == t) for t in states]
         for s, row in zip(states, moved, strict=True)
     ]
-    b = [-row.get("y", Fraction(0)) for row in moved]
+    b = [sign * row.get(name, Fraction(0)) for row in moved]
     c = [u.get(s, Fraction(0)) for s in states]
-    return _fraction(a, b, c, -u.get("y", Fraction(0)))
+    return _fraction(a, b, c, sign * u.get(name, Fraction(0)))
 
 
-def _acting(found: Mapping[str, Row], stores: Mapping[str, str], u: Row) -> list[str]:
-    """Return the states that reach u, at once or later, and are reached by a state or y."""
-    moved = {s for s in stores if found[stores[s]].keys() & {*stores, "y"}}
+def _acting(found: Mapping[str, Row], stores: Mapping[str, str], u: Row, name: str) -> list[str]:
+    """Return the states that reach u, at once or later, and are reached by a state or the input."""
+    moved = {s for s in stores if found[stores[s]].keys() & {*stores, name}}
     acting = [s for s in stores if s in u and s in moved]
     for state in acting:
         row = found[stores[state]]

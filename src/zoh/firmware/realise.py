@@ -109,7 +109,15 @@ def parallel(controller: Sampled) -> Parallel | None:
     >>> found.kp == 2 and found.ki == Fraction(1, 2)  # 2 + 0.5/(z - 1)
     True
     """
-    num, den = in_d(controller)
+    return in_parts(*in_d(controller))
+
+
+def in_parts(num: Exact, den: Exact) -> Parallel | None:
+    """Return num/den in d as the sum that ``parallel`` says, None where it has another shape.
+
+    >>> in_parts((Fraction(2), Fraction(1, 2)), (Fraction(1), Fraction(0))).ki == Fraction(1, 2)
+    True
+    """
     integral = len(den) > 1 and den[-1] == 0
     alphas = _real_poles(den[:-1] if integral else den)
     if alphas is None:
