@@ -41,16 +41,6 @@ den = [1]
 """
 
 
-@pytest.fixture
-def zoh_main(capsys):
-    def command(*arguments):
-        code = cli.main([str(a) for a in arguments])
-        out, err = capsys.readouterr()
-        return code, out, err
-
-    return command
-
-
 @pytest.mark.parametrize("name", DESIGNS)
 def test_every_example_designs_and_meets_its_requirements(name, zoh_main):
     code, out, err = zoh_main("design", EXAMPLES / f"{name}.toml", "--json")

@@ -102,15 +102,7 @@ def test_a_request_that_leaves_its_crossover_open_has_a_budget_and_no_price(good
     assert design["prices"] == []
 
 
-OPEN = """
-[plant]
-model = "2.3/(s^2 + 0.7809 s)"
-[sensor]
-gain = "12/180"
-[sampling]
-dt = 0.1
-[[controller]]
-law = "pi"
+LEFT_OPEN = """\
 sections = [{w0 = 9.0, depth = 0.3}]
 [requirements]
 ms = 1.6
@@ -118,11 +110,11 @@ pm_deg = 50
 """
 
 
-def test_what_was_chosen_is_priced_and_clocked_too():
+def test_what_was_chosen_is_priced_and_clocked_too(good):
     from zoh.app.explain import explain_all
     from zoh.app.project import read
 
-    (found,) = explain_all(read(OPEN))
+    (found,) = explain_all(read(good.replace("wc = 0.8\npm_deg = 40\n", LEFT_OPEN)))
     m = found.entry.measured.margins
     exact = found.prices[0].margins
     assert exact.crossover == pytest.approx(m.crossover, rel=1e-9)

@@ -32,16 +32,6 @@ den = [1, -0.5]
 
 
 @pytest.fixture
-def zoh_main(capsys):
-    def command(*arguments):
-        code = cli.main([str(a) for a in arguments])
-        out, err = capsys.readouterr()
-        return code, out, err
-
-    return command
-
-
-@pytest.fixture
 def project(tmp_path):
     file = tmp_path / "project.toml"
     file.write_text(RANGES)

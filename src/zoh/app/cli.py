@@ -7,48 +7,39 @@
 import json
 import os
 import sys
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any
 from warnings import catch_warnings, simplefilter
 
 import numpy as np
 
-import zoh
 from zoh.app import files
 from zoh.app.commands import Entry, check_all, design_all, hidden_instability, to_dict, warnings
+from zoh.app.parser import BAD_INPUT, one_line, parser
 from zoh.app.progress import shown_progress
 from zoh.app.project import Project, read
-from zoh.app.sweep_options import declare
 from zoh.choice.map import Map
 from zoh.errors import AccuracyWarning, Infeasible, NotMet, SpecError, ZohError
 
 if TYPE_CHECKING:
     from zoh.app.sweep import Swept
 
-MET, NOT_MET, BAD_INPUT = 0, 1, 2
+MET, NOT_MET = 0, 1
 DEFECT = 70  # EX_SOFTWARE: neither the input nor the specification is to blame
 INTERRUPTED, PIPE_CLOSED = 130, 141  # 128 + SIGINT, 128 + SIGPIPE: what a shell expects
 
 
-class _Parser(ArgumentParser):
-    """argparse, but an error is one line, as all of zoh's are."""
-
-    def error(self, message: str) -> NoReturn:
-        """Say what is wrong in one line and exit with 2."""
-        self.exit(BAD_INPUT, f"zoh: error: {_one_line(message)}: see {self.prog} --help\n")
-
-
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; no traceback, whatever comes in."""
-    arguments = _parser().parse_args(argv)
+    arguments = parser().parse_args(argv)
     try:
         # an overflow that nobody foresaw is an error here, never a number
         if sys.stdout is None:
             return _fail(BAD_INPUT, "standard output must be open, got a closed one: redirect it")
         with np.errstate(over="raise", invalid="raise", divide="raise"), catch_warnings():
             simplefilter("ignore", AccuracyWarning)  # said with the design it is about
-            code: int = arguments.run(arguments)
+            code: int = _COMMANDS[arguments.run](arguments)
         sys.stdout.flush()  # a reader that left is noticed here, not at exit
     except BrokenPipeError:
         _abandon_stdout()
@@ -72,64 +63,6 @@ def main(argv: Sequence[str] | None = None) -> int:
         hint = "please report it; ZOH_DEBUG=1 shows where"
         return _fail(DEFECT, f"a defect of zoh, {type(e).__name__}: {e}: {hint}")
     return code
-
-
-def _parser() -> ArgumentParser:
-    parser = _Parser(
-        prog="zoh",
-        description="Digital controllers that provably meet their specification.",
-        epilog="exit codes: 0 all met, 1 not met or impossible, 2 bad input",
-        allow_abbrev=False,
-    )
-    parser.add_argument("--version", action="version", version=f"zoh {zoh.__version__}")
-    commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    paper = commands.add_parser(
-        "paper",
-        help="the robot arm of the paper, every printed number beside the recomputed one",
-        allow_abbrev=False,
-    )
-    paper.set_defaults(run=_paper)
-    design = commands.add_parser(
-        "design", help="design, verify and compare the controllers of a file", allow_abbrev=False
-    )
-    design.set_defaults(run=_design)
-    check = commands.add_parser(
-        "check",
-        help="measure given controllers against requirements and claims",
-        allow_abbrev=False,
-    )
-    check.set_defaults(run=_check)
-    explain = commands.add_parser(
-        "explain",
-        help="where each margin's degrees went, and what designing in s would have cost",
-        allow_abbrev=False,
-    )
-    explain.set_defaults(run=_explain)
-    sweep = commands.add_parser(
-        "sweep", help="a design over a grid or a random sample", allow_abbrev=False
-    )
-    sweep.set_defaults(run=_sweep)
-    export = commands.add_parser(
-        "export", help="firmware that is the controller, bit for bit", allow_abbrev=False
-    )
-    export.set_defaults(run=_export)
-    export.add_argument("--target", choices=("c",), required=True, help="C99 that is C++17, too")
-    export.add_argument("--controller", metavar="NAME", help="this one alone")
-    export.add_argument("--number", choices=("f32", "f64", "q31", "q15", "auto"), default="f32")
-    export.add_argument(
-        "--prove", action="store_true", help="run it on seven emulated cores against the model"
-    )
-    for command in (design, check, explain, sweep, export):
-        command.add_argument("file", metavar="FILE", help="a project file (TOML)")
-    for command in (paper, design, explain):
-        command.add_argument("--out", metavar="DIR", help="write a report with figures there")
-    export.add_argument("--out", metavar="DIR", help="write the files there")
-    for command in (paper, design, explain, export):
-        command.add_argument("--force", action="store_true", help="let --out replace files")
-    declare(sweep)
-    for command in (paper, design, check, explain, sweep, export):
-        command.add_argument("--json", action="store_true", help="print one JSON object")
-    return parser
 
 
 def _design(arguments: Namespace) -> int:
@@ -254,6 +187,16 @@ def _paper(arguments: Namespace) -> int:
     return MET
 
 
+_COMMANDS: Mapping[str, Callable[[Namespace], int]] = {
+    "paper": _paper,
+    "design": _design,
+    "check": _check,
+    "explain": _explain,
+    "sweep": _sweep,
+    "export": _export,
+}
+
+
 def _comparison(entries: Sequence[Entry]) -> Mapping[str, str | bytes]:
     def report() -> Mapping[str, str | bytes]:
         from zoh.report.document import comparison
@@ -330,12 +273,8 @@ def _json(value: Mapping[str, Any]) -> str:
     return json.dumps(value, indent=2, allow_nan=False) + "\n"
 
 
-def _one_line(text: str) -> str:
-    return " ".join(text.split())
-
-
 def _fail(code: int, message: str) -> int:
-    print(f"zoh: error: {_one_line(message)}", file=sys.stderr)
+    print(f"zoh: error: {one_line(message)}", file=sys.stderr)
     return code
 
 
