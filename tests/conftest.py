@@ -1,4 +1,4 @@
-"""The same examples on every machine and on every run; a project file and a way to run it."""
+"""The same examples on every machine and on every run; the command line, and a project file."""
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -31,14 +31,24 @@ def good():
 
 
 @pytest.fixture
-def run(tmp_path, capsys):
+def zoh_main(capsys):
+    """Return the command line as a function: arguments in, (code, stdout, stderr) out."""
+
+    def command(*arguments):
+        code = main([str(a) for a in arguments])
+        out, err = capsys.readouterr()
+        return code, out, err
+
+    return command
+
+
+@pytest.fixture
+def run(tmp_path, zoh_main):
     """Return a function: the text of a file and more arguments in, (code, stdout, stderr) out."""
 
     def command(text, *more, verb="design"):
         file = tmp_path / "project.toml"
         file.write_bytes(text if isinstance(text, bytes) else text.encode())
-        code = main([verb, str(file), *more])
-        out, err = capsys.readouterr()
-        return code, out, err
+        return zoh_main(verb, file, *more)
 
     return command
