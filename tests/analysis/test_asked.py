@@ -127,8 +127,14 @@ def test_an_infinite_margin_meets_every_bound():
     assert missed(asked, free, STEP) == []
 
 
-def test_figures_are_said_to_six_digits():
-    asked = Requirements(mt=1.2345678)
-    assert missed(asked, replace(MARGINS, mt=1.23456789), STEP) == [
-        "mt must be at most 1.23457, measured 1.23457"
-    ]
+@pytest.mark.parametrize(
+    ("bound", "measured", "said"),
+    [
+        (1.25, 1.5, "mt must be at most 1.25, measured 1.5"),
+        (1.2345678, 1.2345699, "mt must be at most 1.2345678, measured 1.23457"),
+        (1.2345678, 1.2345682, "mt must be at most 1.2345678, measured 1.23457"),
+        (1.6, 1.6000000021, "mt must be at most 1.6, measured 1.600000002"),
+    ],
+)
+def test_figures_are_said_in_six_digits_or_in_those_that_show_the_miss(bound, measured, said):
+    assert missed(Requirements(mt=bound), replace(MARGINS, mt=measured), STEP) == [said]

@@ -120,3 +120,17 @@ def test_what_was_chosen_is_priced_and_clocked_too(good):
     assert exact.crossover == pytest.approx(m.crossover, rel=1e-9)
     assert exact.phase_margin_deg == pytest.approx(m.phase_margin_deg, abs=1e-9)
     assert any(row.dt == 0.1 and row.failure is None for row in found.clocks.rows)
+
+
+def test_the_clocks_of_a_p_that_was_chosen_ask_for_no_margin_but_the_required_one(good):
+    """K/(s (s + a)) behind a hold loses wc dt/2 and next to nothing else: a faster clock gives more."""
+    from zoh.app.explain import explain_all
+    from zoh.app.project import read
+
+    asked = good.replace('law = "pi"\nwc = 0.8\npm_deg = 40\n', 'law = "p"\nwc = 0.8\n')
+    asked += "[requirements]\npm_deg = 30\n"
+    (found,) = explain_all(read(asked))
+    rows = [row for row in found.clocks.rows if row.pm_deg is not None]
+    assert any(row.dt < 0.1 and row.failure is None for row in rows)
+    turned = [row.pm_deg - row.hold_deg for row in rows if row.dt <= 0.2]
+    assert max(turned) - min(turned) < 0.01  # deg: the images' share at wc dt = 0.16

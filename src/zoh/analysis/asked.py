@@ -51,10 +51,24 @@ class Compared:
 
     @property
     def sentence(self) -> str:
-        """Return the requirement and the value in words."""
+        """Return the requirement and the value in words, with the digits that tell them apart.
+
+        >>> Compared(name="ms", bound=1.6, value=1.60000012, at_least=False).sentence
+        'ms must be at most 1.6, measured 1.6000001'
+        """
         word = "at least" if self.at_least else "at most"
-        shown = "none" if self.value is None else f"{self.value:.6g}"
-        return f"{self.name} must be {word} {self.bound:g}, measured {shown}"
+        shown = "none" if self.value is None else _apart(self.value, self.bound)
+        bound = f"{self.bound:g}"
+        bound = bound if float(bound) == self.bound else repr(self.bound)
+        return f"{self.name} must be {word} {bound}, measured {shown}"
+
+
+def _apart(value: float, bound: float) -> str:
+    """Return the value in six digits, or as many more as show on which side of the bound it is."""
+    texts = (f"{value:.{digits}g}" for digits in range(6, 18))
+    above, below = value > bound, value < bound
+    shown = (t for t in texts if (float(t) > bound, float(t) < bound) == (above, below))
+    return next(shown, repr(value))
 
 
 def checked(asked: object) -> Requirements:

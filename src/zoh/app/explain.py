@@ -20,7 +20,6 @@ from zoh.report.text import number
 from zoh.request import LAWS, SPARE, Progress, left_open
 
 _WIDTH = 100  # columns; a sentence is folded there
-_PRICED = ("wc", "pm_deg")  # what a request must fix before it can be designed in s as well
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,7 +83,8 @@ def _explained(project: Project, asked: Request | Given, entry: Entry) -> Explai
 def _priceable(project: Project, asked: Request | Given, entry: Entry) -> Priceable | None:
     """Return what can be made in s and at another clock: a model, and a law with all it needs.
 
-    What was left open is what was chosen.
+    What was left open is what was chosen; but a P has the margin that the plant leaves it at wc, and
+    one that was not asked for is not asked for elsewhere.
     """
     if not isinstance(project.plant, Plant) or not isinstance(asked, Request):
         return None
@@ -95,7 +95,9 @@ def _priceable(project: Project, asked: Request | Given, entry: Entry) -> Pricea
         chosen = {"wc": m.crossover or 0.0, "pm_deg": m.phase_margin_deg, **found.gains}
         takes = (n for n in LAWS[law] if n != "ki" or not any(k in known for k in SPARE))
         known |= {n: chosen[n] for n in takes if n not in known}
-    fixed = law in LAWS and not left_open(law, known) and all(n in known for n in _PRICED)
+    if law == "p" and "pm_deg" not in asked.parameters:
+        known.pop("pm_deg", None)
+    fixed = law in LAWS and not left_open(law, known) and "wc" in known
     return Priceable(plant=project.plant, law=law, parameters=known) if fixed else None
 
 
@@ -107,6 +109,9 @@ def _budget(project: Project, entry: Entry) -> Budget | None:
 
 
 def _prices(project: Project, of: Priceable, asked: Request | Given) -> tuple[Emulated, ...]:
+    """Return what emulation would cost; nothing for a P without a margin, a gain in s as in z."""
+    if "pm_deg" not in of.parameters:
+        return ()
     return emulate(
         of.plant, of.law, of.parameters, dt=project.dt, compute_delay=project.compute_delay,
         sections=_sections(asked),
