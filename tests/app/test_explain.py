@@ -123,7 +123,7 @@ def test_what_was_chosen_is_priced_and_clocked_too(good):
 
 
 def test_the_clocks_of_a_p_that_was_chosen_ask_for_no_margin_but_the_required_one(good):
-    """K/(s (s + a)) behind a hold loses wc dt/2 and next to nothing else: a faster clock gives more."""
+    """K/(s (s + a)) behind a hold loses wc dt/2 and hardly more: a faster clock gives more."""
     from zoh.app.explain import explain_all
     from zoh.app.project import read
 

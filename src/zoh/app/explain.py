@@ -83,8 +83,8 @@ def _explained(project: Project, asked: Request | Given, entry: Entry) -> Explai
 def _priceable(project: Project, asked: Request | Given, entry: Entry) -> Priceable | None:
     """Return what can be made in s and at another clock: a model, and a law with all it needs.
 
-    What was left open is what was chosen; but a P has the margin that the plant leaves it at wc, and
-    one that was not asked for is not asked for elsewhere.
+    What was left open is what was chosen; but a P has the margin that the plant leaves it at wc,
+    and one that was not asked for is not asked for elsewhere.
     """
     if not isinstance(project.plant, Plant) or not isinstance(asked, Request):
         return None
