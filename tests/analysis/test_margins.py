@@ -466,3 +466,33 @@ def test_gains_near_the_ends_of_a_float(gain):
 def test_what_no_float_holds_is_one_clear_line():
     with pytest.raises(SpecError, match="must have gains that a 64-bit float can hold"):
         margins(Plant(num=[1e200], den=[1e-200, 1, 1e200]))
+
+
+def test_a_loop_a_hair_from_its_edge_has_its_bandwidth():
+    """L(0) = -1 + 1.5e-7, behind 6 samples: a whole number of thousands of bits is no overflow."""
+    plant = Plant(
+        num=[0.11344568680814333],
+        den=[1.0, 14.111268492899022, 87.81622125627555, 222.94116955987988, 91.74546325262706,
+             -23.593075472811037],
+        dead_time=0.015706451465325948,
+    )  # fmt: skip
+    behind = sample(plant, dt := 0.002802832932000033)
+    kp, kd, p = 207.9680567128488, 1926.5034136233403, 2.6218089016253017
+    law = Sampled.from_w(num_w=[kp / p + kd, kp], den_w=[1 / p, 1.0], dt=dt)
+    found = measure_loop(Loop.of(law, behind))
+    assert found.certificate.holds
+    with mp.workdps(50):
+        factors = [
+            [mpf(c) for c in a[::-1]] for a in (law.num_w, behind.num_w, law.den_w, behind.den_w)
+        ]
+
+        def closed(w):
+            v = mpc(0, 2 / mpf(dt) * mp.tan(mpf(w) * dt / 2))
+            ours, plants, under, over = (sum(c * v**k for k, c in enumerate(a)) for a in factors)
+            late = ((1 - v * dt / 2) / (1 + v * dt / 2)) ** behind.delay
+            loop = ours * plants / under / over * late
+            return abs(loop / (1 + loop))
+
+        away = closed(found.bandwidth) / closed(0) / mpf(10) ** mpf("-0.15") - 1
+        steep = (closed(found.bandwidth * (1 + 1e-6)) / closed(found.bandwidth) - 1) / 1e-6
+        assert abs(away / steep) < REL

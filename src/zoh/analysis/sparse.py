@@ -205,9 +205,14 @@ def _polished(f: Callable[[float], float], v: float, squares: Squares, a: Whole)
     moved = _by_secant(f, v)
     if abs(moved - v) <= _AGREE * v:
         return moved
+    longer = _bits(a) - _bits(squares.bottom)  # of ``drop``, whose unit is any number
     for _ in range(_STEPS):
-        v = _by_secant(lambda x: squares.over_bottom(a, x), v)
+        v = _by_secant(lambda x: squares.over_bottom(a, x, max(longer, 0)), v)
     return v
+
+
+def _bits(a: Whole) -> int:
+    return max(c.bit_length() for c in a)
 
 
 def _by_secant(f: Callable[[float], float], v: float) -> float:

@@ -95,10 +95,10 @@ class Squares:
         above, under = (whole.at_fraction(a, *q) for a in (self.closed, self.below(which)))
         return whole.root_of_ratio(above, under) if under else inf
 
-    def over_bottom(self, a: Whole, v: float) -> float:
-        """Return a/|D|^2 at v, of the exact values there: |L|^2 - 1 where a is ``gain``."""
+    def over_bottom(self, a: Whole, v: float, octaves: int = 0) -> float:
+        """Return a/(|D|^2 2^octaves) at v, of the exact values: |L|^2 - 1 where a is ``gain``."""
         q = _squared(v)
-        under = whole.at_fraction(self.bottom, *q)
+        under = whole.at_fraction(self.bottom, *q) << octaves
         return whole.at_fraction(a, *q) / under if under else inf
 
 
