@@ -17,6 +17,13 @@ NEAR = 1e-6  # deg, and of wc: how near to what a refusal offers a design must b
 
 def judge(request: Request) -> str:
     """Return "met", "infeasible" or "not met", where right; else "WRONG: ..."."""
+    try:
+        return _judged(request)
+    except zoh.SpecError as foreign:  # every request drawn is a sound one
+        return f"WRONG: {foreign}"
+
+
+def _judged(request: Request) -> str:
     asked = request.parameters
     wc, pm_deg, dt = asked["wc"], asked["pm_deg"], request.sampled.dt
     try:
