@@ -2,17 +2,19 @@
 
     python -m benchmarks.firmware_equality [--laws pid,lead] [--numbers q15,f32] [--limit SECONDS]
 
-prints one line for each controller, the cost on three cores, and exits with 1 where a bit differs
-or, with --limit, where one proof takes longer than that.
+prints one line for each controller, the cost on three cores and, in whole numbers, how long a solver
+took to exclude overflow; exits with 1 where a bit differs, where overflow is not excluded or, with
+--limit, where one proof of equality takes longer than that.
 """
 
 import sys
 from argparse import ArgumentParser
-from time import perf_counter
+from time import perf_counter, process_time
 
 import zoh
 from zoh.firmware.lines import NUMBERS
 from zoh.firmware.plan import Plan
+from zoh.firmware.solver import overflow_excluded
 
 ARM = zoh.Plant.parse("2.3/(s^2 + 0.7809 s)", sensor=12 / 180)
 LAWS = ("p", "pd", "pi", "pid", "lag", "lead", "leadlag", "notched")
@@ -44,6 +46,16 @@ def planned(law: str, number: str) -> Plan:
     )
 
 
+def excluded(made: Plan) -> tuple[bool, str]:
+    """Return whether overflow is excluded in a plan of whole numbers, and what that took."""
+    if made.ranges is None:
+        return True, ""
+    start = process_time()
+    holds = overflow_excluded(made)
+    words = "excluded" if holds else "NOT excluded"
+    return holds, f"; overflow {words} in {process_time() - start:.2f} s"
+
+
 def main() -> int:
     """Prove what is asked for; return the exit code."""
     parser = ArgumentParser()
@@ -62,6 +74,8 @@ def main() -> int:
                 print(differs)
             seconds = perf_counter() - start
             wrong += seconds > arguments.limit
+            holds, overflow = excluded(made)
+            wrong += not holds
             costs = ", ".join(
                 f"{b.target} {b.instructions[1]:.0f} ({b.instructions[2]})"
                 for b in found.builds
@@ -69,7 +83,7 @@ def main() -> int:
             )
             print(
                 f"{law:8} {number:4} {made.realisation:8} {len(found.builds)} builds, "
-                f"{len(found.differences)} differences, {seconds:5.1f} s; {costs}",
+                f"{len(found.differences)} differences, {seconds:5.1f} s; {costs}{overflow}",
                 flush=True,
             )
     return 1 if wrong else 0
