@@ -2,9 +2,9 @@
 
     python -m benchmarks.firmware_equality [--laws pid,lead] [--numbers q15,f32] [--limit SECONDS]
 
-prints one line for each controller, the cost on three cores and, in whole numbers, how long a solver
-took to exclude overflow; exits with 1 where a bit differs, where overflow is not excluded or, with
---limit, where one proof of equality takes longer than that.
+prints one line for each controller, the cost on three cores and, in whole numbers, how long a
+solver took to exclude overflow; exits with 1 where a bit differs, where overflow is not excluded
+or, with --limit, where one proof of equality takes longer than that.
 """
 
 import sys
