@@ -38,6 +38,17 @@ def project(tmp_path):
     return file
 
 
+@pytest.mark.parametrize(
+    ("name", "made"),
+    [("int", "c_int"), ("Current (d/q)", "current_d_q"), ("2nd", "c_2nd"), ("_", "design")],
+)
+def test_any_name_of_a_controller_has_one_in_c(zoh_main, project, tmp_path, name, made):
+    project.write_text(RANGES.replace('"PID 1"', f'"{name}"'))
+    code, _, err = zoh_main("export", project, "--target", "c", "--out", tmp_path / "firmware")
+    assert (code, err) == (0, f"zoh: wrote 9 files to {tmp_path / 'firmware'}\n")
+    assert f"{made}_step(" in (tmp_path / "firmware" / f"{made}.h").read_text()
+
+
 def test_every_controller_is_written_with_its_examples_and_one_readme(zoh_main, project, tmp_path):
     out = tmp_path / "firmware"
     code, said, err = zoh_main("export", project, "--target", "c", "--out", out)

@@ -20,7 +20,7 @@ _ROUNDED = (
     1e-5  # of a bound: a design that meets one with nothing to spare still is one when rounded
 )
 _AT_LEAST = ("pm_deg", "gain_margin_db", "delay_margin", "bandwidth", "effort_min")
-_KEYWORDS = (
+KEYWORDS = (
     "auto break case char const continue default do double else enum extern float for goto if "
     "inline int long register restrict return short signed sizeof static struct switch typedef "
     "union unsigned void volatile while class new delete this template namespace using operator "
@@ -146,9 +146,12 @@ def asked(
 
 def _identifier(name: object) -> str:
     text = checks.text("name", name)
-    if not fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,30}", text) or text in _KEYWORDS:
+    if not fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,30}", text) or text in KEYWORDS:
         raise SpecError(
-            "name", "must be a C identifier of 31 characters or fewer", name, 'such as "arm_pid"'
+            "name",
+            "must be a C identifier of 31 characters or fewer, no word of C's own",
+            name,
+            'such as "arm_pid"',
         )
     return text
 
