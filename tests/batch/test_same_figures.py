@@ -6,6 +6,7 @@ held to 50 digits by its own tests.
 
 import numpy as np
 import pytest
+from benchmarks.sweep import equal
 
 import zoh
 from zoh.batch import single
@@ -34,49 +35,15 @@ CASES = [
 def spread(plant, law, late, loops=LOOPS):
     """Return a job and columns: dt over four decades, crossovers over two, any margin."""
     rng = np.random.default_rng([list(PLANTS).index(plant), len(law), round(10 * late)])
-    model = PLANTS[plant]
-    fastest = np.abs(model.poles()).max()
-    dt = 10 ** rng.uniform(-4, 0, loops) / max(fastest, 0.5)
-    wc = np.minimum(10 ** rng.uniform(-1.3, 0.6, loops) * max(fastest, 0.5), 3.3 / dt)
-    gain = np.abs(model.at(wc))
-    columns = {"dt": dt, "compute_delay": late * dt}
-    if law == "given":
-        controller = zoh.Sampled(num=[1.2 / gain[0], -1.05 / gain[0]], den=[1, -0.7], dt=0.1)
-        columns["plant.gain"] = model.num[0] / model.den[0] * 10 ** rng.uniform(-1, 1, loops)
-        job = Job(
-            plant=model, law=law, controller=controller, dt=0.1, reference=-2.0,
-            varying=tuple(columns),
-        )  # fmt: skip
-        return job, columns
-    columns |= {"wc": wc, "pm_deg": rng.uniform(15, 85, loops)}
-    if law == "pid":
-        columns["ki"] = wc / gain * 10 ** rng.uniform(-3, -0.5, loops)
-    elif law in ("lag", "lead"):
-        low, high = (0.02, 1.5) if law == "lag" else (-1.5, -0.02)
-        columns["dc_gain"] = 10 ** rng.uniform(low, high, loops) / gain
-    return Job(plant=model, law=law, dt=0.1, reference=-2.0, varying=tuple(columns)), columns
+    return equal.spread(PLANTS[plant], law, late, loops, rng)
 
 
 def assert_same(found, truth, columns):
-    assert [Reason(r).name for r in found["reason"]] == [Reason(r).name for r in truth["reason"]]
-    assert found["stable"].tolist() == truth["stable"].tolist()
-    for name in set(truth) - {"stable", "reason"}:
-        x, y = found[name], truth[name]
-        assert np.isnan(x).tolist() == np.isnan(y).tolist(), name
-        tolerance = 1e-9 * np.abs(y)
-        if name.endswith("overshoot_pct"):
-            tolerance += 1e-10  # % of the final value: a few hundred roundings of it
-        elif name == "steady_state_error":
-            tolerance += 1e-12  # of the reference: it is the difference of two numbers near 1
-        elif name.endswith("peak_time"):
-            # a crest is flat: an error of 1e-13 of it moves its time by sqrt(2e-13)/wn, and
-            # wn is about the crossover
-            tolerance += 5e-7 / truth["crossover"] + 1e-9 * np.abs(y)
-        same = (x == y) | (np.isnan(x) & np.isnan(y))
-        with np.errstate(invalid="ignore"):  # inf - inf, where they are the same
-            off = np.where(same, 0.0, np.abs(x - y) - tolerance)
-        i = int(np.nanargmax(off)) if len(off) else 0
-        assert not off[i] > 0, (name, x[i], y[i], {k: float(v[i]) for k, v in columns.items()})
+    told = [
+        (line, {k: float(v[int(line.split(" of ")[1].split(":")[0])]) for k, v in columns.items()})
+        for line in equal.differences(found, truth)
+    ]
+    assert told == []
 
 
 @pytest.mark.parametrize(("plant", "law", "late"), CASES)

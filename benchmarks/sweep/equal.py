@@ -1,0 +1,177 @@
+"""Arrays and the compiled arithmetic beside the single design, figure by figure, on random loops.
+
+    python -m benchmarks.sweep.equal --loops 100000 [--seed 0] [--jobs 2]
+
+draws families of loops: a plant (order 1 to 6, with and without integrators, swinging, unstable),
+a law, a delay of 0 to 4 samples, dt over four decades, crossovers over two, margins of 15 to 85
+degrees. Every reason and every figure of both arithmetics must be the single design's, to 1e-9 and
+what ``allowed`` adds with its reason. Prints how many loops there were of each reason, the worst
+of each figure in parts of what is allowed, and each family that differs with its seed; exits 1
+where one does.
+"""
+
+import argparse
+import sys
+import warnings
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from concurrent.futures import ProcessPoolExecutor
+
+import numpy as np
+import numpy.typing as npt
+
+import zoh
+from zoh.batch import single
+from zoh.batch.arrays import run as arrays
+from zoh.batch.job import Job
+from zoh.batch.reason import Reason
+
+Array = npt.NDArray[np.float64]
+Columns = dict[str, Array]
+LAWS = ("p", "pi", "pid", "pd", "lag", "lead", "given")
+DELAYS = (0.0, 0.3, 0.5, 1.0, 1.5, 2.7, 4.0)  # samples
+FAMILY = 100  # loops
+
+
+def spread(
+    model: zoh.Plant, law: str, late: float, loops: int, rng: np.random.Generator
+) -> tuple[Job, Columns]:
+    """Return a job and columns: dt over four decades, crossovers over two, any margin."""
+    fastest = max(float(np.abs(model.poles()).max()), 0.5)
+    dt = 10 ** rng.uniform(-4, 0, loops) / fastest
+    wc = np.minimum(10 ** rng.uniform(-1.3, 0.6, loops) * fastest, 3.3 / dt)
+    gain = np.abs(model.at(wc))
+    columns = {"dt": dt, "compute_delay": late * dt}
+    if law == "given":
+        controller = zoh.Sampled(num=[1.2 / gain[0], -1.05 / gain[0]], den=[1, -0.7], dt=0.1)
+        columns["plant.gain"] = model.num[0] / model.den[0] * 10 ** rng.uniform(-1, 1, loops)
+        job = Job(
+            plant=model, law=law, controller=controller, dt=0.1, reference=-2.0,
+            varying=tuple(columns),
+        )  # fmt: skip
+        return job, columns
+    columns |= {"wc": wc, "pm_deg": rng.uniform(15, 85, loops)}
+    if law == "p":  # its margin is what the plant leaves
+        columns["pm_deg"] = np.array(
+            [left(model, *at) for at in zip(dt, late * dt, wc, strict=True)]
+        )
+    elif law == "pid":
+        columns["ki"] = wc / gain * 10 ** rng.uniform(-3, -0.5, loops)
+    elif law in ("lag", "lead"):
+        low, high = (0.02, 1.5) if law == "lag" else (-1.5, -0.02)
+        columns["dc_gain"] = 10 ** rng.uniform(low, high, loops) / gain
+    return Job(plant=model, law=law, dt=0.1, reference=-2.0, varying=tuple(columns)), columns
+
+
+def left(model: zoh.Plant, dt: float, delay: float, wc: float) -> float:
+    """Return the margin in deg that the sampled plant has at wc by itself."""
+    return float(np.degrees(np.angle(-zoh.sample(model, dt, delay).at(wc))))
+
+
+def plant(rng: np.random.Generator) -> zoh.Plant:
+    """Return a strictly proper plant of order 1 to 6, its gain 1 at its fastest pole but for 10."""
+    order = int(rng.integers(1, 7))
+    poles: list[complex] = [0j] * int(rng.integers(0, min(order, 2) + 1))
+    while len(poles) < order:
+        fast = 10 ** rng.uniform(-1, 1)
+        if order - len(poles) > 1 and rng.random() < 0.4:
+            pole = -fast * np.exp(1j * np.arccos(10 ** rng.uniform(-2, -0.05)))
+            poles += [pole, pole.conjugate()]
+        else:
+            poles.append(complex(fast if rng.random() < 0.08 else -fast))
+    zeros = [-(10 ** rng.uniform(-1, 1.5)) for _ in range(int(rng.integers(0, min(order, 3))))]
+    num, den = (np.atleast_1d(np.poly(roots)).real for roots in (zeros, poles))
+    gain = abs(np.polyval(num, 1j) / np.polyval(den, 1j))
+    return zoh.Plant(num=(num * 10 ** rng.uniform(-1, 1) / gain).tolist(), den=den.tolist())
+
+
+def allowed(name: str, truth: Mapping[str, Array]) -> Array:
+    """Return by how much a figure may be off."""
+    tolerance: Array = 1e-9 * np.abs(truth[name])
+    if name.endswith("overshoot_pct"):
+        tolerance += 1e-10  # % of the final value: a few hundred roundings of it
+    elif name == "steady_state_error":
+        tolerance += 1e-12  # of the reference: it is the difference of two numbers near 1
+    elif name.endswith("peak_time"):
+        # a crest is flat: an error of 1e-13 of it moves its time by sqrt(2e-13)/wn, and
+        # wn is about the crossover; where there is none, a crest is at some 1/wn
+        w = truth["crossover"]
+        tolerance += 5e-7 * np.where(np.isnan(w), np.abs(truth[name]), 1 / w)
+    return tolerance
+
+
+def differences(found: Mapping[str, Array], truth: Mapping[str, Array]) -> Iterator[str]:
+    """Yield a line for every reason and figure that is not the truth's: name, loop, both values."""
+    for i in np.flatnonzero(found["reason"] != truth["reason"]).tolist():
+        yield f"reason of {i}: {Reason(found['reason'][i]).name}, {Reason(truth['reason'][i]).name}"
+    for i in np.flatnonzero(found["stable"] != truth["stable"]).tolist():
+        yield f"stable of {i}: {found['stable'][i]}, {truth['stable'][i]}"
+    for name, parts in worst(found, truth).items():
+        for i in np.flatnonzero(~(parts <= 1)).tolist():
+            yield f"{name} of {i}: {found[name][i]!r}, {truth[name][i]!r}"
+
+
+def worst(found: Mapping[str, Array], truth: Mapping[str, Array]) -> dict[str, Array]:
+    """Return how far each figure of each loop is off, in parts of what is allowed."""
+    parts = {}
+    for name in sorted(set(truth) - {"stable", "reason"}):
+        x, y = found[name], truth[name]
+        same = (x == y) | (np.isnan(x) & np.isnan(y))
+        with np.errstate(invalid="ignore", divide="ignore"):  # where one of them does not exist
+            off = np.abs(x - y) / allowed(name, truth)
+        parts[name] = np.where(same, 0.0, np.where(np.isnan(off), np.inf, off))
+    return parts
+
+
+def family(seed: int) -> tuple[Counter[str], dict[str, float], list[str]]:
+    """Return what came of one family: loops by reason, the worst of each figure, differences."""
+    from zoh.batch.compiled import run as compiled
+
+    warnings.simplefilter("ignore", zoh.AccuracyWarning)
+    rng = np.random.default_rng([seed, 5])
+    model, law, late = plant(rng), LAWS[seed % len(LAWS)], float(rng.choice(DELAYS))
+    job, columns = spread(model, law, late, FAMILY, rng)
+    truth = single.run(job, columns)
+    counts = Counter(Reason(r).name for r in truth["reason"])
+    most: dict[str, float] = {}
+    told = []
+    for way, found in (
+        ("arrays", arrays.run(job, columns)),
+        ("compiled", compiled.run(job, columns, threads=1)),
+    ):
+        for name, parts in worst(found, truth).items():
+            most[name] = max(most.get(name, 0.0), float(parts.max()))
+        about = f"family {seed}, {law} on {model}, {late} dt"
+        told += [f"{about}: {way}: {line}" for line in differences(found, truth)]
+    return counts, most, told
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--loops", type=int, default=100_000)
+    parser.add_argument("--seed", type=int, default=0, help="of the first family")
+    parser.add_argument("--jobs", type=int, default=1)
+    asked = parser.parse_args()
+    families = range(asked.seed, asked.seed + -(-asked.loops // FAMILY))
+    counts: Counter[str] = Counter()
+    most: dict[str, float] = {}
+    wrong = 0
+    with ProcessPoolExecutor(asked.jobs) as pool:
+        for i, (its_counts, its_most, told) in enumerate(pool.map(family, families)):
+            counts += its_counts
+            most = {name: max(x, most.get(name, 0.0)) for name, x in its_most.items()}
+            wrong += len(told)
+            for line in told:
+                print(line, flush=True)
+            if sys.stderr.isatty() or i % 50 == 49:
+                done = sum(counts.values())
+                print(f"\r{done} loops, {wrong} differ", end="", file=sys.stderr, flush=True)
+    print(f"\n{sum(counts.values())} loops, {wrong} figures or reasons differ")
+    print(*(f"  {name:24}{count}" for name, count in sorted(counts.items())), sep="\n")
+    print("worst of each figure, in parts of what is allowed:")
+    print(*(f"  {name:24}{x:.2g}" for name, x in sorted(most.items())), sep="\n")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
