@@ -182,10 +182,15 @@ def by_gain_alone(plant: Response, wc: float) -> SolvedLaw:
 
 def off_target(m: Margins | Seen, spec: Crossover) -> bool:
     """Return whether the margin nearest to zero is another one than was asked for."""
+    return elsewhere(m.crossover, m.phase_margin_deg, spec)
+
+
+def elsewhere(crossover: float | None, pm_deg: float, spec: Crossover) -> bool:
+    """Return whether a crossover and its margin are not those asked for."""
     return (
-        m.crossover is None
-        or abs(m.phase_margin_deg - spec.pm_deg) > _MARGIN_TOL_DEG
-        or abs(m.crossover / spec.wc - 1) > _CROSSOVER_TOL
+        crossover is None
+        or abs(pm_deg - spec.pm_deg) > _MARGIN_TOL_DEG
+        or abs(crossover / spec.wc - 1) > _CROSSOVER_TOL
     )
 
 

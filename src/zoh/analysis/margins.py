@@ -87,6 +87,28 @@ def glance(loop: Loop) -> Margins:
         raise out_of_range([*loop.num, *loop.den]) from None
 
 
+def nearest_crossing(loop: Loop) -> tuple[float | None, float]:
+    """Return the crossover and the phase margin in deg that ``glance`` shows, and nothing else."""
+    if loop.dead_time <= _CHEAP * (loop.dt or 0.0):
+        found = glance(loop)
+        return found.crossover, found.phase_margin_deg
+    try:
+        with np.errstate(all="ignore"):
+            squares = Squares.of(loop)
+            look = Close.of(loop, squares)
+            unities = look.unities()
+            turns = [] if any(squares.gain) else look.turns()
+            by_phase = phase_crossings(loop, squares, unities, turns)
+            return _nearest(gain_crossings(loop, squares, unities, by_phase))
+    except OverflowError:
+        raise out_of_range([*loop.num, *loop.den]) from None
+
+
+def _nearest(by_gain: Crossings) -> tuple[float | None, float]:
+    """Return the crossing whose margin is the nearest to 0; none is inf away."""
+    return min(by_gain, key=lambda c: abs(c[1]), default=(None, inf))
+
+
 def _looked_at(loop: Loop) -> Margins:
     """Return what a sparse look shows where it is proved to be all, else what a close one does."""
     with np.errstate(all="ignore"):  # what overflows is asked for afterwards
@@ -125,7 +147,7 @@ def _measured(
     found = Found(unities, turns, drops, peaks)
     certificate = proved(loop, squares, look, found, stable=why) if prove else None
     nearest_gain = min(by_phase, key=lambda c: abs(log(c[1])), default=(None, inf))
-    nearest_phase = min(by_gain, key=lambda c: abs(c[1]), default=(None, inf))
+    nearest_phase = _nearest(by_gain)
     modulus, complementary, disk = peaks
     return Margins(
         stable=stable,
