@@ -93,10 +93,12 @@ def allowed(name: str, truth: Mapping[str, Array]) -> Array:
     elif name == "steady_state_error":
         tolerance += 1e-12  # of the reference: it is the difference of two numbers near 1
     elif name.endswith("peak_time"):
-        # a crest is flat: an error of 1e-13 of it moves its time by sqrt(2e-13)/wn, and
-        # wn is about the crossover; where there is none, a crest is at some 1/wn
-        w = truth["crossover"]
-        tolerance += 5e-7 * np.where(np.isnan(w), np.abs(truth[name]), 1 / w)
+        # a crest is flat: h above the final value it falls by h (w t)^2/2, which rounding, 1e-13 of
+        # the final value, hides for sqrt(2e-13/h)/w; 1/w is about that of the crossover, or for a
+        # slow crest about its own time
+        h, crossover = truth[name.replace("peak_time", "overshoot_pct")] / 100, truth["crossover"]
+        slow = np.fmax(1 / crossover, np.abs(truth[name]))
+        tolerance += np.sqrt(2e-13 / np.where(h > 0, h, 1.0)) * slow
     return tolerance
 
 

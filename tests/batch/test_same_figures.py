@@ -62,6 +62,15 @@ def test_compiled(plant, law, late):
     assert_same(compiled.run(job, columns, threads=2), arrays.run(job, columns), columns)
 
 
+@pytest.mark.parametrize("seed", [26, 41, 48, 57])
+def test_two_crests_that_are_nearly_as_high_and_one_that_leaves_the_band(seed):
+    """A stride of many samples shows the lower of two, and steps over one that ends the settling."""
+    pytest.importorskip("numba", reason="the compiled arithmetic needs numba: zoh[fast]")
+    counts, _, told = equal.family(seed)
+    assert counts["OK"] > 5
+    assert told == []
+
+
 def test_a_plant_that_answers_at_once_is_not_covered():
     through = zoh.Plant(num=[0.5, 1, 2], den=[1, 3, 2])
     asked = {"wc": 0.5, "pm_deg": 60}

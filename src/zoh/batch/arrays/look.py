@@ -21,26 +21,19 @@ class Seen:
     """What was seen of each loop, y counted in the direction of its final value.
 
     k_*  samples: of the highest, of those first reaching 10 % and 90 %, of the last outside the
-    band, of the last crest just inside it; stride_* the stride at which it was met
+    band; stride_* the stride at which it was met
     """
 
     top: Array
     most: Array
     least: Array
     k_top: Array
-    k_most: Array
-    k_least: Array
     k_10: Array
     k_90: Array
     k_out: Array
-    k_near: Array
-    stride_top: Array
-    stride_most: Array
-    stride_least: Array
     stride_10: Array
     stride_90: Array
     stride_out: Array
-    stride_near: Array
     crest: Array
     k_crest: Array
     piece: Array
@@ -94,17 +87,16 @@ class Part:
         return z
 
     def last(
-        self, start: Array, stride: Array, holds: Callable[["Part", Array], Mask]
+        self, start: Array, end: Array, holds: Callable[["Part", Array], Mask]
     ) -> tuple[Array, Array]:
-        """Return (the last sample before start + stride up to which ``holds`` does, Z there)."""
-        levels = int(np.log2(stride.max()))
-        ladder = [self.delta]
-        for _ in range(levels):
-            ladder.append(twice(ladder[-1]))
+        """Return (the last sample before end up to which ``holds`` does from start on, Z there)."""
         k, z = start.copy(), self.state(start)
-        for level in range(levels - 1, -1, -1):
+        ladder, furthest = [self.delta], float((end - start).max(initial=1.0))
+        while 2.0 ** len(ladder) < furthest:
+            ladder.append(twice(ladder[-1]))
+        for level in range(len(ladder) - 1, -1, -1):
             there = z + moved(ladder[level], z)
-            go = (2.0**level < stride) & holds(self, there)
+            go = (k + 2.0**level < end) & holds(self, there)
             k, z = np.where(go, k + 2.0**level, k), np.where(go, there, z)
         return k, z
 

@@ -10,12 +10,13 @@ import numpy as np
 
 from zoh.batch.arrays.between import Piece, estimate, pieces
 from zoh.batch.arrays.closing import RISE, between, closed_in
+from zoh.batch.arrays.crests import Passed
 from zoh.batch.arrays.held import Held
 from zoh.batch.arrays.look import Index, Part, Seen, twice
 from zoh.batch.arrays.modes import Modes
 from zoh.batch.arrays.motion import Motion
 from zoh.batch.arrays.rows import Array, Complex, Mask
-from zoh.batch.tolerances import BAND, CREST, LEVELS, MOST, NOTHING, TURN
+from zoh.batch.tolerances import BAND, LEVELS, MOST, NOTHING, TURN
 
 _BLOCK = 16  # samples between two looks at which loops are done
 
@@ -30,12 +31,12 @@ def step_metrics(
     size = np.abs(motion.final)
     sign = np.where(motion.final < 0, -1.0, 1.0)
     parts = pieces(plant, motion, delay)
-    seen, at_crest, doubt = _followed(motion, parts, sign, size, z)
-    closed_in(motion, sign, size, seen)
+    seen, passed, at_crest, doubt = _followed(motion, parts, sign, size, z)
+    late = closed_in(motion, sign, size, seen, passed)
     over = seen.top / size - 1
     most, least = np.maximum(seen.most, motion.at_rest), np.minimum(seen.least, motion.at_rest)
     reach = abs(reference)
-    highest, when, known = between(motion, plant, parts, sign, seen, at_crest)
+    highest, when, known = between(plant, parts, sign, seen, at_crest, late)
     beyond = highest / size - 1
     return {
         "between.overshoot_pct": np.where(beyond > NOTHING, 100 * beyond, 0.0),
@@ -52,10 +53,10 @@ def step_metrics(
 
 def _followed(
     motion: Motion, parts: list[Piece], sign: Array, size: Array, z: Complex
-) -> tuple[Seen, Array, Mask]:
-    """Return what was seen, Z before the highest crest, and which loops were left too early."""
+) -> tuple[Seen, Passed, Array, Mask]:
+    """Return what was seen, what passed, Z before the highest crest, and which were left early."""
     count = len(size)
-    seen, doubt = Seen.of(count), np.zeros(count, bool)
+    seen, passed, doubt = Seen.of(count), Passed.of(count), np.zeros(count, bool)
     at_crest = np.zeros(motion.output.shape)
     modes = Modes.of(z, len(motion.delta))
     lanes, moved = np.arange(count), motion.delta
@@ -73,7 +74,8 @@ def _followed(
             if level == 0:
                 _note_crests(seen, at_crest, parts, who, zs, sign[who], k[here])
             _note(seen, who, ys, size[who], k[here], stride)
-            _note_effort(seen, who, us, k[here], stride)
+            _note_effort(seen, who, us)
+            passed.note(who, ys, us, k[here], stride, size[who], seen)
             k[here] += _BLOCK * stride
             part = Part.of(motion, sign, size, who)
             done, turning = modes.look(
@@ -87,11 +89,11 @@ def _followed(
         doubt[lanes[here]] = True
         keep = np.concatenate(waiting)
         if not len(keep):
-            return seen, at_crest, doubt
+            return seen, passed, at_crest, doubt
         lanes, state, k = lanes[keep], state[:, keep], k[keep]
         moved = twice(moved[:, :, keep])
     doubt[lanes] = True
-    return seen, at_crest, doubt
+    return seen, passed, at_crest, doubt
 
 
 def _run(moved: Array, state: Array, here: Index) -> Array:
@@ -152,18 +154,9 @@ def _note_crest(
     at_crest[:, which] = zs[best[new], :, new].T
 
 
-def _note_effort(seen: Seen, who: Index, us: Array, k: Array, stride: float) -> None:
-    for side, best, places, strides in (
-        (1.0, seen.most, seen.k_most, seen.stride_most),
-        (-1.0, seen.least, seen.k_least, seen.stride_least),
-    ):
-        reached = (side * us).max(axis=0)
-        new = reached > side * best[who]
-        if new.any():
-            which = who[new]
-            best[which] = side * reached[new]
-            places[which] = k[new] + stride * np.argmax(side * us[:, new], axis=0)
-            strides[which] = stride
+def _note_effort(seen: Seen, who: Index, us: Array) -> None:
+    seen.most[who] = np.maximum(seen.most[who], us.max(axis=0))
+    seen.least[who] = np.minimum(seen.least[who], us.min(axis=0))
 
 
 def _note(seen: Seen, who: Index, ys: Array, size: Array, k: Array, stride: float) -> None:
@@ -173,7 +166,6 @@ def _note(seen: Seen, who: Index, ys: Array, size: Array, k: Array, stride: floa
     top = so_far[-1]
     higher = top > before
     seen.k_top[who] = np.where(higher, k + stride * np.sum(so_far < top, axis=0), seen.k_top[who])
-    seen.stride_top[who] = np.where(higher, stride, seen.stride_top[who])
     for level, places, strides in (
         (RISE[0], seen.k_10, seen.stride_10), (RISE[1], seen.k_90, seen.stride_90),
     ):  # fmt: skip
@@ -185,8 +177,6 @@ def _note(seen: Seen, who: Index, ys: Array, size: Array, k: Array, stride: floa
     seen.top[who] = np.maximum(before, top)
     off = np.maximum.accumulate(np.abs(ys[::-1] - size), axis=0)
     _last(seen.k_out, seen.stride_out, who, off > BAND * size, k, stride)
-    if stride > 1:
-        _last(seen.k_near, seen.stride_near, who, off > CREST * BAND * size, k, stride)
 
 
 def _last(
