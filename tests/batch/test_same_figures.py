@@ -64,7 +64,7 @@ def test_compiled(plant, law, late):
 
 @pytest.mark.parametrize("seed", [26, 41, 48, 57])
 def test_two_crests_that_are_nearly_as_high_and_one_that_leaves_the_band(seed):
-    """A stride of many samples shows the lower of two, and steps over one that ends the settling."""
+    """A long stride shows the lower of two, and steps over one that ends the settling."""
     pytest.importorskip("numba", reason="the compiled arithmetic needs numba: zoh[fast]")
     counts, _, told = equal.family(seed)
     assert counts["OK"] > 5
