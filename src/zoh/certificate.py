@@ -13,7 +13,7 @@ from zoh.design.target import Response, Target, nearest
 from zoh.errors import Infeasible, SpecError
 from zoh.lti.systems import Sampled
 from zoh.request import LAWS, NEGATIVE_GAINS, UNDER_MS, UNSTABLE_CONTROLLERS, bounded_ms
-from zoh.solving import elsewhere, solved
+from zoh.solving import SolvedLaw, elsewhere, solved
 from zoh.spec import Crossover
 
 _AS_WELL = {"largest_ki_ms": "least_iae_ms"}  # there is one where there is the other
@@ -70,15 +70,27 @@ def advised(
     """Return the refusal with all that could be had instead, tried by ``holds``."""
     wanted = {_AS_WELL.get(k, k): v for k, v in parameters.items()}
 
+    def tried(name: str, at: Crossover, also: frozenset[str]) -> SolvedLaw:
+        return solved(name, sampled, at, {**_free(name, sampled, at), **wanted}, None, also)
+
     def works(name: str, at: Crossover, also: frozenset[str] = allow) -> bool:
         try:
-            found = solved(name, sampled, at, {**_free(name, sampled, at), **wanted}, None, also)
+            found = tried(name, at, also)
         except (Infeasible, SpecError, OverflowError):  # the last one in what is tried
             return False
         return holds(found.controller, at)
 
     def has(pm_deg: float) -> bool:
         return 0 < pm_deg < 180 and works(law, Crossover(wc=spec.wc, pm_deg=pm_deg))
+
+    def aside(wc: float) -> float | None:
+        try:
+            tried(law, Crossover(wc=wc, pm_deg=spec.pm_deg), allow)
+        except Infeasible as here:
+            return _beyond(here)
+        except (SpecError, OverflowError):
+            return None
+        return 0.0
 
     searched = any(k in parameters for k in UNDER_MS)
     words = [w for w in _WORDS if w not in allow and works(law, spec, allow | {w})]
@@ -95,9 +107,18 @@ def advised(
             spec.wc,
             sampled.dt,
             sampled.delay if isinstance(sampled, Sampled) else 0,
+            aside,
         ),
         laws_that_can=tuple(name for name in LAWS if name != law and works(name, spec)),
     )
+
+
+def _beyond(refused: Infeasible) -> float | None:
+    """Return by how many degrees the phase needed is above what the law gives, or below it."""
+    if refused.gives_deg is None or refused.needed_deg is None:
+        return None
+    low, high = refused.gives_deg
+    return min(refused.needed_deg - low, 0.0) + max(refused.needed_deg - high, 0.0)
 
 
 def best_margin(

@@ -5,7 +5,7 @@ The integrator 1/(z - 1) has there |G| = 1/sqrt 2, arg G = -135 deg, v = 2 and x
 """
 
 from itertools import count
-from math import cos, pi, radians, sqrt
+from math import cos, log, pi, radians, sqrt
 
 import numpy as np
 import pytest
@@ -245,6 +245,22 @@ def test_the_nearest_frequency_that_works(works, wc, dt, found):
     got = nearest(works, wc, dt)
     assert got == (None if found is None else pytest.approx(found, rel=1e-14))
     assert got is None or works(got)
+
+
+@pytest.mark.parametrize("at", [0.0123, 0.5017, 7.7777, 300.1])
+def test_what_is_narrower_than_the_search_is_found_where_the_phase_changes_sides(at):
+    """Works in a millionth of a frequency; the phase is above it on one side, below on the other."""
+
+    def works(w):
+        return at <= w <= at * (1 + 1e-6)
+
+    def aside(w):
+        return 0.0 if works(w) else 50 * log(w / at)
+
+    got = nearest(works, 1.0, 0.001, aside=aside)
+    assert works(got)
+    assert nearest(works, 1.0, 0.001) is None
+    assert nearest(works, 1.0, 0.001, aside=lambda w: 4e3 * aside(w)) is None  # a turn by 360 deg
 
 
 def test_the_nearest_is_the_edge_itself_where_its_seven_digits_do_not_work():

@@ -14,7 +14,7 @@ from cmath import phase
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from heapq import merge
-from math import ceil, degrees, floor, log, log10, pi, radians, remainder, tau
+from math import ceil, degrees, floor, log, log10, pi, radians, remainder, sqrt, tau
 from typing import Protocol
 
 from zoh.errors import Infeasible, SpecError
@@ -27,6 +27,8 @@ _CANCELLED = 1e-13  # of its terms: what is left of a polynomial at its own root
 
 _STEP, _TURN = 0.03, 0.02  # of a frequency, and rad a sample: between two that are tried
 _LEAST = 8e-4  # of wc: the slowest that is tried
+_LEAP_DEG = 90.0  # more between two frequencies is a turn by 360 deg, not a phase passed
+_HALVINGS = 40
 
 Phases = tuple[float, float] | None  # an open interval in rad, None where a law can give nothing
 
@@ -126,18 +128,45 @@ def _span(phases: tuple[float, float]) -> str:
     return " to ".join(f"{degrees(end):+.4g}" if abs(end) > 1e-9 else "0" for end in phases)
 
 
-def nearest(works: Callable[[float], bool], wc: float, dt: float, late: int = 0) -> float | None:
+def nearest(
+    works: Callable[[float], bool], wc: float, dt: float, late: int = 0,
+    aside: Callable[[float], float | None] = lambda _: None,
+) -> float | None:  # fmt: skip
     """Return the frequency nearest to wc (in log) at which ``works`` says yes, None if nowhere.
 
     Looked for from wc/1000 to 1000 wc, below Nyquist's frequency, 3 % at a time, less
     where the hold and ``late`` samples of delay turn faster; the edge is then closed in on, and
     left on its working side by rounding to seven digits, so that what is printed works too.
+
+    aside  by how many degrees the phase needed is beyond what the law gives, below it negative, 0
+           within, None where that does not tell: where it changes its side between two
+           frequencies, there is one between at which the law gives it, however narrow that is
     """
     turn = _TURN / (dt * (1 + late / 4))
+    last: dict[bool, float | None] = dict.fromkeys((False, True), aside(wc))  # below wc, above it
     sides = (_outwards(wc, side, turn, pi / dt) for side in (-1, 1))
     for _, probe, before in merge(*sides):
         if works(probe):
             return _edge(works, before, probe)
+        there, here = last[probe > wc], aside(probe)
+        if there and here and there * here < 0 and abs(there - here) < _LEAP_DEG:
+            within = _within(aside, before, probe, there)
+            if within is not None and works(within):
+                return _edge(works, before, within)
+        last[probe > wc] = here
+    return None
+
+
+def _within(
+    aside: Callable[[float], float | None], start: float, end: float, there: float
+) -> float | None:
+    """Return a frequency between two, on different sides, at which the phase is given."""
+    for _ in range(_HALVINGS):
+        middle = sqrt(start * end)
+        found = aside(middle)
+        if not found:
+            return None if found is None else middle
+        start, end = (middle, end) if found * there > 0 else (start, middle)
     return None
 
 
