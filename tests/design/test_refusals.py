@@ -249,7 +249,7 @@ def test_the_nearest_frequency_that_works(works, wc, dt, found):
 
 @pytest.mark.parametrize("at", [0.0123, 0.5017, 7.7777, 300.1])
 def test_what_is_narrower_than_the_search_is_found_where_the_phase_changes_sides(at):
-    """Works in a millionth of a frequency; the phase is above it on one side, below on the other."""
+    """A millionth of a frequency works; the phase is above it on one side, below on the other."""
 
     def works(w):
         return at <= w <= at * (1 + 1e-6)
