@@ -26,5 +26,6 @@ QUIET = log(1e8)  # the slowest mode is followed until it has fallen so far
 TURN = 0.25  # rad that a mode turns at most between two samples that are looked at
 BAND, NEAR = 0.02, 0.9  # a response has settled in its band; alone and in this part of it it stays
 CREST = 0.98  # of the band: between samples at a long stride it may be left
+BELOW = 0.02  # of the highest sample: how far below it a crest's own may be, at a long stride
 NOTHING = 1e-10  # an overshoot below this part of the final value is rounding
 LEVELS, MOST = 40, 4096  # doublings of the stride, and samples at one, that a loop is followed for

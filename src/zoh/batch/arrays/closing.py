@@ -10,7 +10,6 @@ from zoh.batch.arrays.held import Held
 from zoh.batch.arrays.look import Index, Part, Seen
 from zoh.batch.arrays.motion import Motion
 from zoh.batch.arrays.rows import Array, Mask, only
-from zoh.batch.tolerances import BAND
 
 RISE = (0.1, 0.9)
 
@@ -27,13 +26,9 @@ def closed_in(motion: Motion, sign: Array, size: Array, seen: Seen, passed: Pass
     (who,) = np.nonzero(seen.stride_out > 1)
     if len(who):
         part, last = Part.of(motion, sign, size, who), seen.k_out[who]
-        seen.k_out[who] = part.last(last, last + seen.stride_out[who], _off)[0]
+        seen.k_out[who] = part.last(last, last + seen.stride_out[who], Part.out)[0]
     outside(motion, sign, size, seen, passed)
     return highest(motion, sign, size, seen, passed)
-
-
-def _off(part: Part, z: Array) -> Mask:
-    return part.off(z) > BAND * part.size
 
 
 def _below(level: float, part: Part, z: Array) -> Mask:

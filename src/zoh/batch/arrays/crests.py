@@ -11,9 +11,7 @@ import numpy as np
 from zoh.batch.arrays.look import Index, Part, Seen
 from zoh.batch.arrays.motion import Motion
 from zoh.batch.arrays.rows import Array, Mask
-from zoh.batch.tolerances import BAND, CREST
-
-_BELOW = 0.02  # how far below the highest sample a crest's own may be
+from zoh.batch.tolerances import BAND, BELOW, CREST
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,11 +66,11 @@ class Passed:
                 np.concatenate([old[:, who], new])
                 for old, new in ((self.k, ks), (self.y, ys), (self.u, us))
             )
-            self.of_y.append(Crests.of(who, ks, y, seen.top[who] - _BELOW * size))
+            self.of_y.append(Crests.of(who, ks, y, seen.top[who] - BELOW * size))
             for side in (1.0, -1.0):
                 off, best = side * (y - size), side * (seen.most if side > 0 else seen.least)[who]
                 self.of_band[side].append(Crests.of(who, ks, off, CREST * BAND * size))
-                self.of_u[side].append(Crests.of(who, ks, side * u, best - _BELOW * np.abs(best)))
+                self.of_u[side].append(Crests.of(who, ks, side * u, best - BELOW * np.abs(best)))
         self.k[:, who], self.y[:, who], self.u[:, who] = ks[-2:], ys[-2:], us[-2:]
 
 
@@ -91,11 +89,11 @@ def highest(motion: Motion, sign: Array, size: Array, seen: Seen, passed: Passed
     for side, best, raised in (
         (1.0, seen.most, np.maximum), (-1.0, seen.least, np.minimum),
     ):  # fmt: skip
-        crests = joined(passed.of_u[side], side * best - _BELOW * np.abs(best))
+        crests = joined(passed.of_u[side], side * best - BELOW * np.abs(best))
         part = _part(motion, side * motion.effort, size, crests)
         _, z = _crest(part, crests)
         raised.at(best, crests.who, side * part.y(part.after(z)))
-    crests = joined(passed.of_y, seen.top - _BELOW * size)
+    crests = joined(passed.of_y, seen.top - BELOW * size)
     part = _part(motion, sign * motion.output, size, crests)
     k, z = _crest(part, crests)
     after = part.after(z)
@@ -113,9 +111,9 @@ def outside(motion: Motion, sign: Array, size: Array, seen: Seen, passed: Passed
         crests = crests.only(crests.end > seen.k_out[crests.who])
         part = _part(motion, side * sign * motion.output, side * size, crests)
         k, z = _crest(part, crests)
-        (left,) = np.nonzero(_off(part, part.after(z)))
+        (left,) = np.nonzero(part.out(part.after(z)))
         again = _part(motion, side * sign * motion.output, side * size, crests.only(left))
-        k = again.last(k[left] + 1, crests.end[left], _off)[0]
+        k = again.last(k[left] + 1, crests.end[left], Part.out)[0]
         np.maximum.at(seen.k_out, crests.who[left], k)
 
 
@@ -139,7 +137,3 @@ def _part(motion: Motion, row: Array, size: Array, crests: Crests) -> Part:
 def _crest(part: Part, crests: Crests) -> tuple[Array, Array]:
     """Return (the last sample that is left upwards, Z there)."""
     return part.last(crests.start, crests.end, lambda p, z: p.slope(z) > 0)
-
-
-def _off(part: Part, z: Array) -> Mask:
-    return part.off(z) > BAND * np.abs(part.size)

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from zoh.batch.arrays.motion import Motion
 from zoh.batch.arrays.rows import Array, Mask
+from zoh.batch.tolerances import BAND
 
 Index = npt.NDArray[np.intp]
 
@@ -67,6 +68,10 @@ class Part:
     def off(self, z: Array) -> Array:
         """Return how far y is from its final value."""
         return np.abs(self.y(z) - self.size)
+
+    def out(self, z: Array) -> Mask:
+        """Return whether y is outside its band."""
+        return self.off(z) > BAND * np.abs(self.size)
 
     def slope(self, z: Array) -> Array:
         """Return by how much y grows to the next sample."""
