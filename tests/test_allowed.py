@@ -1,7 +1,7 @@
 """What is refused unless it is asked for by name, and that each refusal says the name."""
 
 from cmath import exp
-from math import cos, degrees, pi, radians, sqrt
+from math import cos, degrees, pi, radians, sin, sqrt
 
 import pytest
 
@@ -51,6 +51,37 @@ def test_the_laws_of_a_plant_that_answers_backwards_are_the_other_ones_turned_ro
     on_target(d, 1.0, pm_deg)
     assert d.controller.num == pytest.approx([-c for c in other.controller.num], rel=1e-9)
     assert d.allowed == (NEGATIVE,)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_what_a_p_of_any_sign_has_by_hand(sign):
+    # sign/s behind its hold at dt = 0.5 is sign/(2 (z - 1)): |G| = 1/(4 sin(wc/4)), and with kp of
+    # that sign a margin of 90 - wc/4 (rad) at each wc, 90 deg at most, and no other
+    plant = zoh.Plant(num=[sign], den=[1, 0])
+    margin = 90 - degrees(0.25)
+    with pytest.raises(zoh.Infeasible) as refused:
+        zoh.p(plant, dt=0.5, wc=1.0, pm_deg=50, allow=[NEGATIVE])
+    assert refused.value.best_pm_deg == pytest.approx(margin, abs=1e-9)
+    wc = radians(40) * 4
+    # 1e-6: rounded to seven digits on its working side, or where the phase is passed
+    assert refused.value.nearest_wc == pytest.approx(wc, rel=1e-6)
+    assert "sensor" not in str(refused.value)  # its sign is no matter here
+    for asked in ({"wc": wc}, {"pm_deg": 50.0}, {"wc": wc, "pm_deg": 50.0}):
+        d = zoh.p(plant, dt=0.5, allow=[NEGATIVE], **asked)
+        on_target(d, wc, 50)
+        assert d.gains["kp"] == pytest.approx(sign * 4 * sin(wc / 4), rel=1e-9)
+
+
+def test_a_p_of_either_sign_that_holds_nowhere_is_refused_as_without_the_word():
+    # 1/(s - 1)^2: the coefficient of z in (z - e^dt)^2 + kp (...) cannot make both poles small
+    plant = zoh.Plant.zpk(zeros=[], poles=[1, 1], gain=1)
+    for asked in ({"wc": 1.0}, {"pm_deg": 50.0}):
+        failures = []
+        for allow in ([], [NEGATIVE]):
+            with pytest.raises(zoh.ZohError) as failure:
+                zoh.p(plant, dt=0.1, allow=allow, **asked)
+            failures.append(str(failure.value))
+        assert failures[0] == failures[1]
 
 
 def test_mixed_signs_by_hand():

@@ -45,7 +45,9 @@ def certified(
         return most == inf or glance(loop).ms <= most
 
     told = advised(refused, law, sampled, spec, parameters, holds, allow)
-    return told if told.nearest_wc is not None else told.because(backwards(sampled))
+    if told.nearest_wc is not None or NEGATIVE_GAINS in allow:
+        return told
+    return told.because(backwards(sampled))
 
 
 def backwards(sampled: Sampled) -> str:
@@ -93,15 +95,14 @@ def advised(
         return 0.0
 
     searched = any(k in parameters for k in UNDER_MS)
+    end = 180.0 if allow and law != "p" else None  # a P has one margin, of whichever sign
     words = [w for w in _WORDS if w not in allow and works(law, spec, allow | {w})]
     return Infeasible(
         "; ".join([refused.reason, *(f'allow=["{word}"] permits one here' for word in words)]),
         needed_deg=refused.needed_deg,
         needed_gain=refused.needed_gain,
         gives_deg=refused.gives_deg,
-        best_pm_deg=best_margin(
-            has, refused, _SEARCHED_STEP_DEG if searched else _STEP_DEG, 180.0 if allow else None
-        ),
+        best_pm_deg=best_margin(has, refused, _SEARCHED_STEP_DEG if searched else _STEP_DEG, end),
         nearest_wc=nearest(
             lambda wc: works(law, Crossover(wc=wc, pm_deg=spec.pm_deg)),
             spec.wc,

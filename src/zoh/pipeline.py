@@ -14,14 +14,14 @@ from zoh.choice.choose import choose
 from zoh.choice.judge import Judge
 from zoh.design.p import crossovers
 from zoh.design.sections import SecondOrder, in_series
-from zoh.errors import Infeasible, NotMet, SpecError
+from zoh.errors import Infeasible, NotMet
 from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.hidden import unstable_hidden, without_hidden
 from zoh.lti.systems import Plant, Sampled
 from zoh.lti.weights import WEIGHTS
 from zoh.request import (
     CANCELLED_UNSTABLE_MODES,
-    LAWS,
+    NEGATIVE_GAINS,
     UNDER_MS,
     Progress,
     allowed,
@@ -31,9 +31,9 @@ from zoh.request import (
     left_open,
 )
 from zoh.sampling.hold import sample
-from zoh.solving import SolvedLaw, by_gain_alone, not_as_asked, solved
+from zoh.solving import SolvedLaw, by_gain_alone, negated, not_as_asked, solved
 from zoh.spec import Crossover, Requirements
-from zoh.table_design import design_on_table
+from zoh.table_design import check_for_a_table, design_on_table
 
 _BELOW_THE_EDGE, _LAST = (1.0, 0.9999, 0.999), 0.99  # of the fastest crossover
 
@@ -117,7 +117,7 @@ def design(
     fixed = in_series(sections, dt)
     missing = left_open(law, parameters)
     if isinstance(plant, FrequencyResponse):
-        _check_for_a_table(law, parameters, missing, words)
+        check_for_a_table(law, parameters, missing, words)
         return design_on_table(
             plant, law, parameters, dt=dt, compute_delay=compute_delay, fixed=fixed,
             requirements=requirements, name=name, allow=words,
@@ -191,14 +191,34 @@ def _chosen(
 
 
 def _free_p(bench: _Bench, parameters: Mapping[str, float], allow: frozenset[str]) -> Verified:
-    """Return the P of a crossover alone, or of a margin alone: there the fastest that holds."""
+    """Return the P of a crossover alone, or of a margin alone: there the fastest that holds.
+
+    One of a negative gain, where that is allowed, if none of a positive one holds.
+    """
+    try:
+        return _p_of_one(bench, bench.sampled, parameters)
+    except (Infeasible, NotMet):
+        if NEGATIVE_GAINS not in allow:
+            raise
+        with suppress(Infeasible, NotMet):
+            return _p_of_one(bench, negated(bench.sampled), parameters)
+        raise
+
+
+def _p_of_one(bench: _Bench, plant: Sampled, parameters: Mapping[str, float]) -> Verified:
+    """Return the P of one sign: the bench's own, or where ``plant`` is its opposite the other."""
+
+    def law(wc: float) -> SolvedLaw:
+        found = by_gain_alone(plant, wc)
+        return found if plant is bench.sampled else found.opposite()
+
     if "wc" in parameters:
-        return bench.verified(by_gain_alone(bench.sampled, parameters["wc"]), None)
+        return bench.verified(law(parameters["wc"]), None)
     pm_deg = Crossover(wc=1.0, pm_deg=parameters["pm_deg"]).pm_deg
     failure: NotMet | None = None
-    for wc in crossovers(bench.sampled, pm_deg):
+    for wc in crossovers(plant, pm_deg):
         try:
-            return bench.verified(by_gain_alone(bench.sampled, wc), Crossover(wc=wc, pm_deg=pm_deg))
+            return bench.verified(law(wc), Crossover(wc=wc, pm_deg=pm_deg))
         except NotMet as missed:
             failure = failure or missed
     if failure is not None:
@@ -206,7 +226,7 @@ def _free_p(bench: _Bench, parameters: Mapping[str, float], allow: frozenset[str
     raise Infeasible(
         f"a P turns the phase by nothing, and the plant alone has a margin of {pm_deg:g} deg "
         "at no frequency below Nyquist's",
-        needed_deg=least_turn(bench.sampled, pm_deg),
+        needed_deg=least_turn(plant, pm_deg),
     )
 
 
@@ -227,20 +247,3 @@ def _bounded(asked: Requirements, parameters: Mapping[str, float]) -> Requiremen
     if bound == inf or not isinstance(asked, Requirements):
         return asked
     return replace(asked, ms=bound if asked.ms is None else min(bound, asked.ms))
-
-
-def _check_for_a_table(
-    law: str, parameters: Mapping[str, float], missing: Sequence[str], allow: frozenset[str]
-) -> None:
-    """Refuse what a table cannot show, or cannot be searched for."""
-    if missing:
-        takes = ", ".join(LAWS.get(law, ())) or "a plant's model"
-        bound = f"must be given for {law} on a table"
-        raise SpecError(missing[0], bound, None, f"{law} takes {takes}")
-    weight = next((k for k in WEIGHTS if k in parameters), None)
-    if weight:
-        bound = "must be left out on a table, which shows no step response"
-        raise SpecError(weight, bound, parameters[weight], "give the plant's model")
-    if CANCELLED_UNSTABLE_MODES in allow:
-        bound = f"must not have {CANCELLED_UNSTABLE_MODES} on a table"
-        raise SpecError("allow", bound, sorted(allow), "a table shows no hidden modes")

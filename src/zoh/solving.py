@@ -43,7 +43,7 @@ class SolvedLaw:
     def opposite(self) -> "SolvedLaw":
         """Return the same with all gains of the other sign."""
         gains = {k: -v if k in _SIGNED else v for k, v in self.gains.items()}
-        return SolvedLaw(controller=_negated(self.controller), gains=gains)
+        return SolvedLaw(controller=negated(self.controller), gains=gains)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,9 +73,9 @@ class Asked:
     def opposite(self) -> "Asked":
         """Return what a law of the other sign has to solve: all of it for the plant's opposite."""
         iae, plant = self.iae, self.plant
-        back = _negated(plant) if isinstance(plant, Sampled) else Opposite(plant)
+        back = negated(plant) if isinstance(plant, Sampled) else Opposite(plant)
         parameters = {k: -v if k in _SIGNED else v for k, v in self.parameters.items()}
-        turned = None if iae is None else lambda controller: iae(_negated(controller))
+        turned = None if iae is None else lambda controller: iae(negated(controller))
         return Asked(plant=back, spec=self.spec, parameters=parameters, iae=turned)
 
 
@@ -207,7 +207,8 @@ def not_as_asked(m: Margins, spec: Crossover | None) -> list[str]:
     return [f"{measured}, not {wanted}: the loop does not cross over there"]
 
 
-def _negated(system: Sampled) -> Sampled:
+def negated(system: Sampled) -> Sampled:
+    """Return what answers the other way round."""
     return Sampled.from_w(
         num_w=tuple(-c for c in system.num_w), den_w=system.den_w, dt=system.dt,
         delay=system.delay, rounded=system.rounded,

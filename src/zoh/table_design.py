@@ -4,7 +4,7 @@ A law asks a plant for one complex gain; where that comes from a table the margi
 for the curve between its points. What the table does not show is not designed for, and refused.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import radians, remainder, tau
 
@@ -25,6 +25,8 @@ from zoh.certificate import advised
 from zoh.errors import Infeasible, NotMet, SpecError
 from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.systems import Sampled
+from zoh.lti.weights import WEIGHTS
+from zoh.request import CANCELLED_UNSTABLE_MODES, LAWS
 from zoh.solving import SolvedLaw, by_gain_alone, not_as_asked, off_target, solved
 from zoh.spec import Crossover, Requirements
 
@@ -141,3 +143,20 @@ def _crossovers(table: FrequencyResponse, pm_deg: float) -> list[float]:
 
 def _angle(table: FrequencyResponse, w: float) -> float:
     return float(table.turn.at(np.log(w)))
+
+
+def check_for_a_table(
+    law: str, parameters: Mapping[str, float], missing: Sequence[str], allow: frozenset[str]
+) -> None:
+    """Refuse what a table cannot show, or cannot be searched for."""
+    if missing:
+        takes = ", ".join(LAWS.get(law, ())) or "a plant's model"
+        bound = f"must be given for {law} on a table"
+        raise SpecError(missing[0], bound, None, f"{law} takes {takes}")
+    weight = next((k for k in WEIGHTS if k in parameters), None)
+    if weight:
+        bound = "must be left out on a table, which shows no step response"
+        raise SpecError(weight, bound, parameters[weight], "give the plant's model")
+    if CANCELLED_UNSTABLE_MODES in allow:
+        bound = f"must not have {CANCELLED_UNSTABLE_MODES} on a table"
+        raise SpecError("allow", bound, sorted(allow), "a table shows no hidden modes")

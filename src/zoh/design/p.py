@@ -8,7 +8,7 @@ read off the open loop).
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from math import pi, radians, remainder, tau
+from math import copysign, pi, radians, remainder, tau
 
 import numpy as np
 import numpy.typing as npt
@@ -53,11 +53,13 @@ def solve(plant: Response, spec: Crossover, *, any_sign: bool = False) -> P:
     P(kp=1.414213..., dt=1.0)
     """
     target = Target.of(plant, spec)
-    if any_sign and abs(target.theta) > pi - _SAME:
-        return P(kp=-1 / target.size, dt=plant.dt)
-    if not target.inside(phases(target)):
-        raise refusal("a P", target, spec, phases(target), "")
-    return P(kp=1 / target.size, dt=plant.dt)
+    able, kp = phases(target), 1 / target.size
+    if any_sign and target.best_margin_deg(able, spec) is None:  # of the two signs one has some
+        half = copysign(pi, target.theta)
+        able, kp = (half - _SAME, half + _SAME), -kp
+    if not target.inside(able):
+        raise refusal("a P", target, spec, able, "")
+    return P(kp=kp, dt=plant.dt)
 
 
 def crossovers(plant: Sampled, pm_deg: float) -> list[float]:
