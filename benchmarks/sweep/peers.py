@@ -36,7 +36,7 @@ def by_control(design: zoh.Verified) -> None:
     control.step_response(control.feedback(law, sampled), T=t)
 
 
-def by_scipy(design: zoh.Verified) -> None:
+def by_scipy(design: zoh.Verified) -> tuple[float, ...]:
     """Let SciPy sample the plant; margins and metrics are read off its points, to their spacing."""
     dt, law = design.dt, design.controller
     num, den, _ = signal.cont2discrete((design.plant.num, design.plant.den), dt, "zoh")
@@ -53,8 +53,7 @@ def by_scipy(design: zoh.Verified) -> None:
     y = signal.lfilter(np.pad(top, (len(closed) - len(top), 0)), closed, steps)
     effort = signal.lfilter(np.polymul(den, law.num), closed, steps)
     out = np.nonzero(np.abs(y - 1) > 0.02)[0][-1]
-    found = (*margins, worst, y.max(), effort.max(), out, np.argmax(y > 0.9) - np.argmax(y > 0.1))
-    assert np.isfinite(found).all()
+    return (*margins, worst, y.max(), effort.max(), out, np.argmax(y > 0.9) - np.argmax(y > 0.1))
 
 
 def octave_us(designs: list[zoh.Verified]) -> float | None:
@@ -91,7 +90,7 @@ for turn = 1:4
     gain = polyval(top, z) ./ polyval(around, z);
     turned = unwrap(arg(gain));
     crossing = find(abs(gain) < 1, 1);
-    found = [turned(crossing), w(crossing) / dt, 1 / abs(gain(find(turned < -pi, 1)))];
+    found = [turned(crossing), w(crossing) / dt, abs(gain(find(turned < -pi, 1))) .^ -1];
     worst = min(abs(1 + gain));
     y = filter(top, closed, ones(1, {SAMPLES}));
     u = filter(conv(bottom, above), closed, ones(1, {SAMPLES}));
