@@ -1,10 +1,14 @@
-"""Verified loops a second: the sweep's three arithmetics and python-control, in one run.
+"""Verified loops a second: the sweep's three arithmetics, others and a floor, in one run.
 
 The job is the PID of K/(s (s + a)) behind its hold: law, stability, every margin, Ms, Mt, disk
 margin, bandwidth, the step's metrics at and between the samples, effort. python-control is given
 zoh's plant and controller and does what it can of that: margins, step_info, the effort's response.
+SciPy and Octave are given the same and read margins off 2000 points and metrics off 500 samples, to
+their spacing. The floor is ``floor.c``, one loop after the other in plain C for this machine: all
+figures to the same digits, checked against zoh's here, but it is given what zoh finds out and
+proves nothing, and is right of the nominal loops alone.
 Nominal loops are an arm's, K, a, wc within 20 %; of the wide ones, with dt over four decades, half
-cannot be designed, and python-control is given others. Everything takes turns; printed are least
+cannot be designed, and the peers are given others. Everything takes turns; printed are least
 times of one loop in us, CPU time but for two threads, and the ratio to python-control's.
 
     python -m benchmarks.sweep.speed --loops 65536 --limit-arrays 100 --limit-compiled 500
@@ -20,6 +24,7 @@ from contextlib import suppress
 
 import control
 import numpy as np
+from benchmarks.sweep.peers import Floor, by_control, by_scipy, octave_us
 
 import zoh
 from zoh.batch import single
@@ -67,25 +72,13 @@ def solved(columns: dict[str, np.ndarray], count: int) -> list[zoh.Verified]:
     return found
 
 
-def peer(design: zoh.Verified) -> None:
-    """Let python-control sample the plant and measure the loop."""
-    dt = design.dt
-    sampled = control.c2d(control.tf(design.plant.num, design.plant.den), dt, "zoh")
-    law = control.tf(design.controller.num, design.controller.den, dt)
-    control.stability_margins(law * sampled)
-    t = np.arange(500) * dt
-    with suppress(IndexError):  # what it raises where 500 samples do not reach 10 %
-        control.step_info(control.feedback(law * sampled, 1), T=t)
-    control.step_response(control.feedback(law, sampled), T=t)
-
-
 def least(work: Callable[[], object], clock: Callable[[], float]) -> float:
     begun = clock()
     work()
     return clock() - begun
 
 
-def compared(columns: dict[str, np.ndarray], n: int) -> dict[str, float]:
+def compared(columns: dict[str, np.ndarray], n: int, with_floor: bool) -> dict[str, float]:
     """Return the least us of one loop, by each arithmetic."""
     from zoh.batch.compiled import run as compiled
 
@@ -95,8 +88,9 @@ def compared(columns: dict[str, np.ndarray], n: int) -> dict[str, float]:
     one = {key: values[:PEERS] for key, values in columns.items()}
     ways: dict[str, tuple[Callable[[], object], int, Callable[[], float]]] = {
         "python-control": (
-            lambda: [peer(design) for design in designs], PEERS, time.process_time
+            lambda: [by_control(design) for design in designs], PEERS, time.process_time
         ),
+        "SciPy": (lambda: [by_scipy(design) for design in designs], PEERS, time.process_time),
         "single": (lambda: single.run(job, one), PEERS, time.process_time),
         "arrays": (lambda: arrays.run(job, few), n // 8, time.process_time),
         "compiled": (lambda: compiled.run(job, columns, threads=1), n, time.process_time),
@@ -104,13 +98,19 @@ def compared(columns: dict[str, np.ndarray], n: int) -> dict[str, float]:
             lambda: compiled.run(job, columns, threads=2), n, time.perf_counter
         ),
     }  # fmt: skip
+    if with_floor:
+        plain = Floor(columns)
+        plain.run()
+        plain.check(compiled.run(job, columns))
+        ways["plain C, a floor"] = (plain.run, n, time.process_time)
     found = dict.fromkeys(ways, float("inf"))
     for turn in range(TURNS + 1):
         for name, (work, count, clock) in ways.items():
             taken = least(work, clock) / count * 1e6
             if turn:  # the first pays for imports and compilation
                 found[name] = min(found[name], taken)
-    return found
+    by_octave = octave_us(designs)
+    return found if by_octave is None else found | {"Octave": by_octave}
 
 
 def main() -> int:
@@ -121,12 +121,17 @@ def main() -> int:
     asked = parser.parse_args()
     within = True
     for name, family in (("nominal", nominal), ("wide", wide)):
-        found = compared(family(np.random.default_rng(1), asked.loops), asked.loops)
+        columns = family(np.random.default_rng(1), asked.loops)
+        found = compared(columns, asked.loops, family is nominal)
         base = found["python-control"]
         print(f"{name}: zoh {zoh.__version__}, python-control {control.__version__}")
         for way, us in found.items():
             print(f"  {way:22}{us:12.2f} us a loop{base / us:10.0f} times python-control's rate")
+        if "Octave" not in found:
+            print("  octave-cli is not installed, or did not run")
         if family is nominal:
+            over = found["compiled"] / found["plain C, a floor"]
+            print(f"  compiled takes {over:.2f} times the floor")
             within &= base / found["arrays"] >= asked.limit_arrays
             within &= base / found["compiled"] >= asked.limit_compiled
     return 0 if within else 1

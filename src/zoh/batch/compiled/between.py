@@ -11,8 +11,9 @@ from zoh.batch.compiled.motion import SIZE, Motion
 from zoh.batch.compiled.plant import ORDER, Plant, advanced
 from zoh.batch.tolerances import REACH, TAYLOR
 
-_LAST = 1e-15  # of the piece: a step this small is rounding
+_LAST = 1e-9  # of the piece: the error after a Newton's step as small as this is its square
 _NOTHING = 1e-18
+_PART = 1.0 / np.maximum(np.arange(TAYLOR + 2.0), 1.0)
 
 
 class Pieces(NamedTuple):
@@ -134,14 +135,14 @@ def crest(
     terms, bulk = n, 1.0
     while terms < TAYLOR and (terms < n + 2 or terms <= reach or bulk > _NOTHING):
         terms += 1
-        bulk *= reach / (terms - n)
+        bulk *= reach * _PART[terms - n]
         total = 0.0
         for i in range(n):
             total += p.rows[n, i] * g[terms - n + i]
         g[terms] = total
     weight = 1.0
     for k in range(1, terms + 1):
-        weight *= span / k
+        weight *= span * _PART[k]
         g[k] *= weight
     height, when = -inf, 0.0
     falls = 0.0

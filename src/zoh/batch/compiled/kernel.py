@@ -10,6 +10,7 @@ import numpy.typing as npt
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import between, laws, margins, plant, polynomials, steps, track
 from zoh.batch.compiled import motion as motions
+from zoh.batch.compiled.bare import bare
 from zoh.batch.compiled.between import Pieces
 from zoh.batch.compiled.jit import compiled, kept, stamp
 from zoh.batch.compiled.margins import measured, stable
@@ -39,6 +40,7 @@ class Work(NamedTuple):
     work: Array
     parts: Array
     ladder: Array
+    block: Array
     zs: Array
     seen: Array
 
@@ -50,7 +52,7 @@ def made() -> Work:
         plant=plant.plant(), law=motions.law(), motion=motions.motion(), pieces=between.pieces(),
         num=np.zeros(line), den=np.zeros(line), more=np.zeros(line), roots=np.zeros(line),
         work=polynomials.work(), parts=np.zeros((12, line)), ladder=track.ladder(),
-        zs=track.states(), seen=np.zeros(track.SEEN),
+        block=track.block(), zs=track.states(), seen=np.zeros(track.SEEN),
     )  # fmt: skip
 
 
@@ -96,7 +98,7 @@ def one(
     slowest = motions.modes(w.motion, degree)
     count = between.cut(w.pieces, w.motion, p, n, delay, lead, size)
     if steps.step_metrics(w.motion, p, w.pieces, count, n, degree, size, slowest, dt, reference,
-                          w.ladder, w.zs, w.seen, step):  # fmt: skip
+                          w.ladder, w.block, w.zs, w.seen, step):  # fmt: skip
         return True
     reason[i] = OK
     if code != GIVEN:
@@ -161,11 +163,17 @@ def _stretch(of: int) -> Callable[..., None]:
         """
         if of < 0:
             return
+        own, plants, out, why = (
+            bare(w),
+            bare((num, den)),
+            bare((gains, margin, step)),
+            bare((reason,)),
+        )
         for i in range(first, end):
             if not left[i]:
-                left[i] = one(w, code, order, reference, num, den, dt[i], delay[i], lead[i], wc[i],
-                              pm_deg[i], spare[i], pole[i], i, gains[i], margin[i], step[i],
-                              reason)  # fmt: skip
+                left[i] = one(own, code, order, reference, plants[0], plants[1], dt[i], delay[i],
+                              lead[i], wc[i], pm_deg[i], spare[i], pole[i], i, out[0][i],
+                              out[1][i], out[2][i], why[0])  # fmt: skip
 
     return stretch
 

@@ -13,6 +13,7 @@ from zoh.batch.tolerances import APART
 
 _ROOTS = 60  # Aberth's steps at most
 SIZE = 15  # of Z: a plant of order 6, four inputs under way, a controller of order 3, a one
+_WIDE = 16  # a whole number of lanes
 
 
 class Law(NamedTuple):
@@ -40,7 +41,8 @@ def law() -> Law:
 class Motion(NamedTuple):
     """delta, and rows on Z: output, effort, what they move by; then the modes.
 
-    numbers   final, at_rest;  re, im  z of each mode;  wr, wi  the weights of its share
+    numbers   final, at_rest;  re, im  z of each mode
+    wr, wi    the weights of its share, a mode a column;  shares  its share of output and effort
     turn      |log z|;  creeping  1.0 for the slowest mode, if it does not swing
     """
 
@@ -54,6 +56,7 @@ class Motion(NamedTuple):
     im: Array
     wr: Array
     wi: Array
+    shares: Array
     turn: Array
     creeping: Array
 
@@ -64,7 +67,8 @@ def motion() -> Motion:
     return Motion(
         delta=np.zeros((n, n)), output=np.zeros(n), effort=np.zeros(n), output_moves=np.zeros(n),
         effort_moves=np.zeros(n), numbers=np.zeros(3), re=np.zeros(n), im=np.zeros(n),
-        wr=np.zeros((n, n)), wi=np.zeros((n, n)), turn=np.zeros(n), creeping=np.zeros(n),
+        wr=np.zeros((_WIDE, _WIDE)), wi=np.zeros((_WIDE, _WIDE)), shares=np.zeros((4, _WIDE)),
+        turn=np.zeros(n), creeping=np.zeros(n),
     )  # fmt: skip
 
 
@@ -199,8 +203,8 @@ def modes(m: Motion, n: int) -> float:
         m.creeping[i] = 1.0 if decay == slowest and abs(angle) <= 1e-9 * decay else 0.0
     for i in range(n):
         for k in range(n):
-            m.wr[i, k], m.wi[i, k] = 0.0, 0.0
-        m.wr[i, 0] = 1.0
+            m.wr[k, i], m.wi[k, i] = 0.0, 0.0
+        m.wr[0, i] = 1.0
         for j in range(n):
             if j == i:
                 continue
@@ -209,9 +213,9 @@ def modes(m: Motion, n: int) -> float:
             dr, di = dr / square, -di / square  # 1/(mu_i - mu_j)
             r, q = m.re[j] - 1.0, m.im[j]
             for k in range(n - 1, -1, -1):
-                a = (m.wr[i, k - 1] if k else 0.0) - (r * m.wr[i, k] - q * m.wi[i, k])
-                b = (m.wi[i, k - 1] if k else 0.0) - (r * m.wi[i, k] + q * m.wr[i, k])
-                m.wr[i, k], m.wi[i, k] = a * dr - b * di, a * di + b * dr
+                a = (m.wr[k - 1, i] if k else 0.0) - (r * m.wr[k, i] - q * m.wi[k, i])
+                b = (m.wi[k - 1, i] if k else 0.0) - (r * m.wi[k, i] + q * m.wr[k, i])
+                m.wr[k, i], m.wi[k, i] = a * dr - b * di, a * di + b * dr
     return slowest
 
 

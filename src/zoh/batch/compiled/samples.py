@@ -1,4 +1,4 @@
-"""A block of samples, looked at one by one."""
+"""A block of samples, every one looked at."""
 
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled.between import Pieces, estimate
@@ -6,9 +6,9 @@ from zoh.batch.compiled.jit import compiled
 from zoh.batch.compiled.motion import Motion
 from zoh.batch.compiled.track import (
     AT_CREST,
-    BEFORE,
     BLOCK,
     CREST,
+    FALL,
     K1,
     K2,
     K_10,
@@ -16,127 +16,131 @@ from zoh.batch.compiled.track import (
     K_CREST,
     K_OUT,
     K_TOP,
-    LAST,
+    LANES,
     LEAST_U,
     MOST_U,
-    NARROW,
+    NEXT,
+    PAST,
     PIECE,
+    RISE,
     TOP,
-    U1,
-    U2,
-    WIDE,
-    Y1,
-    Y2,
-    Z,
+    U,
+    Y,
     along,
-    move,
+    product,
+    take,
 )
 from zoh.batch.tolerances import BAND
 
-
-@compiled
-def run(s: Array, block: Array, size: int) -> None:
-    """Write Z at the samples of a block, one after the other, from its first row on."""
-    if size > NARROW:
-        for i in range(BLOCK):
-            move(s, block[i], size, block[i + 1])
-        return
-    for i in range(BLOCK):
-        a, b, c, d = block[i, 0], block[i, 1], block[i, 2], block[i, 3]
-        e, f, g, h = block[i, 4], block[i, 5], block[i, 6], block[i, 7]
-        for j in range(size):
-            part = block[i, j]
-            a += s[j, 0] * part
-            b += s[j, 1] * part
-            c += s[j, 2] * part
-            d += s[j, 3] * part
-            e += s[j, 4] * part
-            f += s[j, 5] * part
-            g += s[j, 6] * part
-            h += s[j, 7] * part
-        block[i + 1, 0], block[i + 1, 1], block[i + 1, 2], block[i + 1, 3] = a, b, c, d
-        block[i + 1, 4], block[i + 1, 5], block[i + 1, 6], block[i + 1, 7] = e, f, g, h
+_END = PAST + BLOCK
 
 
 @compiled
-def note(
-    block: Array, output: Array, effort: Array, seen: Array, sign: float, full: float, k: float,
-    size: int,
-) -> None:  # fmt: skip
-    """Note what the samples of a block show."""
+def shown(row: Array, factor: float, block: Array, place: int, size: int) -> None:
+    """Write factor row Z of a block's samples."""
+    product(row, factor, block, PAST, _END, size, block[place])
+
+
+@compiled
+def note(y: Array, u: Array, seen: Array, full: float, k: float) -> None:
+    """Note what the samples of a block show; k is the first one's."""
     top, most, least = seen[TOP], seen[MOST_U], seen[LEAST_U]
-    k_out = seen[K_OUT]
-    for i in range(BLOCK):
-        y = u = 0.0
-        for j in range(size):
-            y += output[j] * block[i, j]
-            u += effort[j] * block[i, j]
-        y *= sign
-        if y > top:
+    higher = more = out = 0
+    for i in range(PAST, _END):
+        higher |= int(y[i] > top)
+        more |= int(u[i] > most) | int(u[i] < least)
+        out |= int(abs(y[i] - full) > BAND * full)
+    if higher:
+        rises(y, seen, full, k)
+    if more:
+        for i in range(PAST, _END):
+            most, least = max(most, u[i]), min(least, u[i])
+        seen[MOST_U], seen[LEAST_U] = most, least
+    if out:
+        i = _END - 1
+        while not abs(y[i] - full) > BAND * full:
+            i -= 1
+        seen[K_OUT] = k + (i - PAST)
+    seen[K1], seen[K2] = k + (BLOCK - 1), k + (BLOCK - 2)
+
+
+@compiled
+def rises(y: Array, seen: Array, full: float, k: float) -> None:
+    """Note where the response first reaches 10 %, 90 % and its highest sample."""
+    top, place = seen[TOP], -1
+    for i in range(PAST, _END):
+        if y[i] > top:
             if top < 0.9 * full:
-                if top < 0.1 * full <= y:
-                    seen[K_10] = k + i
-                if y >= 0.9 * full:
-                    seen[K_90] = k + i
-            top, seen[K_TOP] = y, k + i
-        most, least = max(most, u), min(least, u)
-        if abs(y - full) > BAND * full:
-            k_out = k + i
-        if i >= BLOCK - 2:
-            seen[Y2], seen[U2], seen[K2] = seen[Y1], seen[U1], seen[K1]
-            seen[Y1], seen[U1], seen[K1] = y, u, k + i
-    seen[TOP], seen[MOST_U], seen[LEAST_U] = top, most, least
-    seen[K_OUT] = k_out
+                if top < 0.1 * full <= y[i]:
+                    seen[K_10] = k + (i - PAST)
+                if y[i] >= 0.9 * full:
+                    seen[K_90] = k + (i - PAST)
+            top, place = y[i], i
+    seen[TOP], seen[K_TOP] = top, k + (place - PAST)
 
 
 @compiled
 def every_sample(
-    m: Motion, pieces: Pieces, count: int, n: int, s: Array, block: Array, zs: Array, seen: Array,
+    m: Motion, pieces: Pieces, count: int, n: int, block: Array, zs: Array, seen: Array,
     sign: float, full: float, k: float, size: int,
 ) -> None:  # fmt: skip
     """Look at a block of samples, one by one."""
-    for j in range(WIDE):
-        block[0, j] = zs[Z, j]
-    run(s, block, size)
-    note(block, m.output, m.effort, seen, sign, full, k, size)
-    if count == 1 and n > 1 and pieces.input_slope[0] == 0.0:  # y' is a state then
-        for i in range(BLOCK):
-            if sign * block[i, 1] > 0.0 > sign * block[i + 1, 1]:
-                note_crest(pieces, 0, block[i], zs, seen, sign, k + i, size)
-    elif n:
-        for piece in range(count):
-            for i in range(BLOCK):
-                rising = sign * along(pieces.slope0[piece], block[i], size) > 0.0
-                if rising and sign * along(pieces.slope1[piece], block[i], size) < 0.0:
-                    note_crest(pieces, piece, block[i], zs, seen, sign, k + i, size)
-                if piece + 1 < count:
-                    corner = sign * along(pieces.y1[piece], block[i], size)
-                    if corner > seen[CREST]:
-                        keep_crest(block[i], zs, seen, corner, k + i, piece + 0.5, size)
-    for j in range(WIDE):
-        zs[BEFORE, j], zs[LAST, j] = block[BLOCK - 2, j], block[BLOCK - 1, j]
-        zs[Z, j] = block[BLOCK, j]
+    shown(m.output, sign, block, Y, size)
+    shown(m.effort, 1.0, block, U, size)
+    note(block[Y], block[U], seen, full, k)
+    if n == 0:
+        return
+    is_state = count == 1 and pieces.input_slope[0] == 0.0  # the slope at a piece's end is then
+    for piece in range(count):  # that at the next one's start
+        end = _END + LANES if is_state else _END
+        product(pieces.slope0[piece], sign, block, PAST, end, size, block[RISE])
+        if is_state:
+            for i in range(PAST, _END):
+                block[FALL, i] = block[RISE, i + 1]
+        else:
+            shown(pieces.slope1[piece], sign, block, FALL, size)
+        crests(pieces, piece, block, zs, seen, sign, k, size)
+        if piece + 1 < count:
+            corners(pieces, piece, block, zs, seen, sign, k, size)
 
 
 @compiled
-def note_crest(
-    pieces: Pieces, piece: int, z: Array, zs: Array, seen: Array, sign: float, k: float, size: int
-) -> None:
-    """Keep a crest that is about the highest."""
-    span = pieces.ends[piece + 1] - pieces.ends[piece]
-    y0, y1 = sign * along(pieces.y0[piece], z, size), sign * along(pieces.y1[piece], z, size)
-    slope0 = sign * along(pieces.slope0[piece], z, size)
-    slope1 = sign * along(pieces.slope1[piece], z, size)
-    height = estimate(y0, y1, slope0 * span, slope1 * span)
-    if height > seen[CREST]:
-        keep_crest(z, zs, seen, height, k, float(piece), size)
+def crests(
+    pieces: Pieces, piece: int, block: Array, zs: Array, seen: Array, sign: float, k: float,
+    size: int,
+) -> None:  # fmt: skip
+    """Keep the crest that is about the highest."""
+    rise, fall, any_crest = block[RISE], block[FALL], 0
+    for i in range(PAST, _END):
+        any_crest |= int(rise[i] > 0.0) & int(fall[i] < 0.0)
+    if not any_crest:
+        return
+    span, there = pieces.ends[piece + 1] - pieces.ends[piece], zs[NEXT]
+    for i in range(PAST, _END):
+        if rise[i] > 0.0 > fall[i]:
+            take(block, i, size, there)
+            y0, y1 = along(pieces.y0[piece], there, size), along(pieces.y1[piece], there, size)
+            height = estimate(sign * y0, sign * y1, rise[i] * span, fall[i] * span)
+            if height > seen[CREST]:
+                keep(block, zs, seen, height, i, k, float(piece), size)
 
 
 @compiled
-def keep_crest(
-    z: Array, zs: Array, seen: Array, height: float, k: float, piece: float, size: int
+def corners(
+    pieces: Pieces, piece: int, block: Array, zs: Array, seen: Array, sign: float, k: float,
+    size: int,
+) -> None:  # fmt: skip
+    """Keep the corner between two parts of a sample, if it is about the highest."""
+    shown(pieces.y1[piece], sign, block, RISE, size)
+    for i in range(PAST, _END):
+        if block[RISE, i] > seen[CREST]:
+            keep(block, zs, seen, block[RISE, i], i, k, piece + 0.5, size)
+
+
+@compiled
+def keep(
+    block: Array, zs: Array, seen: Array, height: float, i: int, k: float, piece: float, size: int
 ) -> None:
     """Keep where a crest is, and Z before it."""
-    seen[CREST], seen[K_CREST], seen[PIECE] = height, k, piece
-    for j in range(size):
-        zs[AT_CREST, j] = z[j]
+    seen[CREST], seen[K_CREST], seen[PIECE] = height, k + (i - PAST), piece
+    take(block, i, size, zs[AT_CREST])

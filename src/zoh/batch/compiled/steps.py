@@ -3,11 +3,11 @@
 What a long stride meets is closed in on at once, from the sample before.
 """
 
-from math import ceil, inf, nan
+from math import ceil, inf, nan, sqrt
 
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled.between import Pieces, crest
-from zoh.batch.compiled.jit import compiled
+from zoh.batch.compiled.jit import compiled, shared
 from zoh.batch.compiled.motion import Motion
 from zoh.batch.compiled.plant import Plant
 from zoh.batch.compiled.samples import every_sample
@@ -16,6 +16,7 @@ from zoh.batch.compiled.track import (
     AT_CREST,
     BLOCK,
     CREST,
+    DOUBLINGS,
     FOUND,
     HIGHEST,
     K_10,
@@ -23,19 +24,23 @@ from zoh.batch.compiled.track import (
     K_CREST,
     K_OUT,
     K_TOP,
-    KEPT,
+    LANES,
     LEAST_U,
     MOST_U,
     NEXT,
     OTHER,
+    PAST,
     PIECE,
     THERE,
     TOP,
     WHEN,
     WIDE,
-    Z,
+    ahead,
     along,
+    go_on,
+    product,
     start,
+    take,
     twice,
 )
 from zoh.batch.tolerances import BAND, LEVELS, LOST, MOST, NEAR, NOTHING, QUIET, TURN
@@ -50,7 +55,7 @@ FIGURES = 9
 @compiled
 def step_metrics(
     m: Motion, p: Plant, pieces: Pieces, count: int, n: int, order: int, size: int, slowest: float,
-    dt: float, reference: float, ladder: Array, zs: Array, seen: Array, out: Array,
+    dt: float, reference: float, ladder: Array, block: Array, zs: Array, seen: Array, out: Array,
 ) -> bool:  # fmt: skip
     """Write the metrics; return whether the loop had better be measured by itself."""
     final, at_rest = m.numbers[0], m.numbers[1]
@@ -58,34 +63,24 @@ def step_metrics(
     full = abs(final)
     if not 0.0 < full < inf:
         return True
-    start(seen)
-    zs[:KEPT] = 0.0
-    zs[Z, size - 1] = 1.0
-    for j in range(size):
-        for i in range(WIDE):
-            ladder[0, j, i] = m.delta[i, j] if i < size else 0.0
+    begin(m, ladder, block, seen, size)
     slowest = max(slowest, 1e-14)
     end = max(8.0, ceil(QUIET / slowest) + 4.0 * size)
     k, level, done, lost = 0.0, 0, False, True
     while level < LEVELS:
-        twice(ladder[level], size, ladder[level + 1])
+        twice(ladder, level + DOUBLINGS - 1, size)
         for _ in range(MOST // BLOCK):
+            ahead(ladder, level, block, size)
             if level == 0:
-                every_sample(
-                    m, pieces, count, n, ladder[0], zs[KEPT:], zs, seen, sign, full, k, size
-                )
-            else:
-                lost_crest = long_stride(
-                    m, p, pieces, count, n, ladder, level, zs, seen, sign, full, k, size
-                )
-                if lost_crest:
-                    return True
+                every_sample(m, pieces, count, n, block, zs, seen, sign, full, k, size)
+            elif long_stride(
+                m, p, pieces, count, n, ladder, level, block, zs, seen, sign, full, k, size
+            ):
+                return True
             k += BLOCK * 2.0**level
-            done, turning = look(m, zs, seen, sign, full, at_rest, order, size)
-            if done or k > end:
-                lost = False
-                break
-            if turning * 2.0 * 2.0**level <= TURN:
+            go_on(block, size)
+            done, turning = look(m, ladder[0], block, zs, seen, sign, full, at_rest, order, size)
+            if done or k > end or turning * 2.0 * 2.0**level <= TURN:
                 lost = False
                 break
         if lost or done or k > end:
@@ -99,37 +94,42 @@ def step_metrics(
 
 
 @compiled
+def begin(m: Motion, ladder: Array, block: Array, seen: Array, size: int) -> None:
+    """Write Z before the step, and how it moves by 1, 2, 4, ... samples."""
+    start(seen)
+    for j in range(size):
+        block[j, PAST] = 1.0 if j == size - 1 else 0.0
+        for i in range(WIDE):
+            ladder[0, j, i] = m.delta[i, j] if i < size else 0.0
+    for level in range(DOUBLINGS - 1):
+        twice(ladder, level, size)
+
+
+@shared
 def look(
-    m: Motion, zs: Array, seen: Array, sign: float, full: float, at_rest: float, order: int,
-    size: int,
+    m: Motion, s: Array, block: Array, zs: Array, seen: Array, sign: float, full: float,
+    at_rest: float, order: int, size: int,
 ) -> tuple[bool, float]:  # fmt: skip
     """Return (whether nothing new can be seen, how fast what is left still turns)."""
-    a, b = zs[FOUND], zs[THERE]
-    for j in range(size):
-        a[j] = zs[Z, j]
-    dy, du = zs[NEXT], zs[OTHER]
+    a, b, dy, du = zs[FOUND], zs[THERE], zs[NEXT], zs[OTHER]
+    take(block, PAST, size, a)
+    wide = LANES if size <= LANES else WIDE
     for i in range(order):
         dy[i] = sign * along(m.output, a, size) - (0.0 if i else full)
         du[i] = along(m.effort, a, size) - (0.0 if i else at_rest)
         if i + 1 < order:
-            for r in range(size - 1):
-                total = 0.0
-                for j in range(size):
-                    total += m.delta[r, j] * a[j]
-                b[r] = total
-            b[size - 1] = 0.0
-            for j in range(size):
-                a[j] = b[j]
+            product(a, 1.0, s, 0, wide, size, b)
+            a, b = b, a
+    shares, ends = m.shares, LANES if order <= LANES else WIDE
+    product(dy, 1.0, m.wr, 0, ends, order, shares[0])
+    product(dy, 1.0, m.wi, 0, ends, order, shares[1])
+    product(du, 1.0, m.wr, 0, ends, order, shares[2])
+    product(du, 1.0, m.wi, 0, ends, order, shares[3])
     reach = LOST * max(abs(seen[MOST_U]), abs(seen[LEAST_U]))
     of_y = of_u = slow_y = slow_u = fast_y = fast_u = turning = 0.0
     for i in range(order):
-        yr = yi = ur = ui = 0.0
-        for k in range(order):
-            yr += m.wr[i, k] * dy[k]
-            yi += m.wi[i, k] * dy[k]
-            ur += m.wr[i, k] * du[k]
-            ui += m.wi[i, k] * du[k]
-        size_y, size_u = (yr * yr + yi * yi) ** 0.5, (ur * ur + ui * ui) ** 0.5
+        yr, yi, ur, ui = shares[0, i], shares[1, i], shares[2, i], shares[3, i]
+        size_y, size_u = sqrt(yr * yr + yi * yi), sqrt(ur * ur + ui * ui)
         of_y, of_u = of_y + size_y, of_u + size_u
         if m.creeping[i] > 0.0:
             slow_y, slow_u = slow_y + yr, slow_u + ur

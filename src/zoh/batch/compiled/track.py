@@ -1,4 +1,8 @@
-"""Z on its way: moved by one sample or by many, and what is seen of it; all in plain arrays."""
+"""Z on its way: a block of samples at once, and what is seen of it; all in plain arrays.
+
+A block holds Z by columns, in ``LANES`` of which the same is done: each doubling of its length
+is one product with a power of the motion, so no sample waits for the one before.
+"""
 
 from math import inf
 
@@ -8,28 +12,37 @@ from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled.jit import compiled, shared
 from zoh.batch.tolerances import LEVELS
 
-BLOCK = 32  # samples between two looks at whether a loop is done
-WIDE, NARROW = 16, 8  # numbers that are moved at once, a whole number of vectors; the rest are 0
+DOUBLINGS = 5
+BLOCK = 2**DOUBLINGS  # samples between two looks at whether a loop is done
+WIDE, LANES = 16, 8  # numbers of Z, and how many are moved at once; the rest are 0
+_1, _2, _3, _4, _5, _6, _7 = (np.uint64(i) for i in range(1, 8))  # places that are never < 0
+PAST = 2  # columns of a block in front of its first sample: the two before
 
 # places of what is seen
 (
-    TOP, K_TOP, MOST_U, LEAST_U, K_10, K_90, K_OUT, HIGHEST, WHEN, CREST, K_CREST, PIECE,
-    Y1, Y2, U1, U2, K1, K2,
-) = range(18)  # fmt: skip
-SEEN = 18
+    TOP, K_TOP, MOST_U, LEAST_U, K_10, K_90, K_OUT, HIGHEST, WHEN, CREST, K_CREST, PIECE, K1, K2,
+) = range(14)  # fmt: skip
+SEEN = 14
 # places of the states that are kept
-Z, NEXT, LAST, BEFORE, AT_CREST, FOUND, THERE, OTHER = range(8)
-KEPT = 8
+NEXT, AT_CREST, FOUND, THERE, OTHER = range(5)
+KEPT = 5
+# rows of a block behind Z: the output, its sign such that it rises; the effort; two slopes
+Y, U, RISE, FALL = WIDE, WIDE + 1, WIDE + 2, WIDE + 3
 
 
 def ladder() -> Array:
     """Return the array of the doublings of delta, by columns: [level, j, i] is s_ij."""
-    return np.zeros((LEVELS + 1, WIDE, WIDE))
+    return np.zeros((LEVELS + DOUBLINGS + 1, WIDE, WIDE))
 
 
 def states() -> Array:
-    """Return the array of the states that are kept; behind them a block of samples."""
-    return np.zeros((KEPT + BLOCK + 1, WIDE))
+    """Return the array of the states that are kept."""
+    return np.zeros((KEPT, WIDE))
+
+
+def block() -> Array:
+    """Return the array of a block: Z by columns, then the rows of what is seen."""
+    return np.zeros((WIDE + 4, PAST + BLOCK + LANES))
 
 
 @compiled
@@ -42,46 +55,111 @@ def along(row: Array, z: Array, size: int) -> float:
 
 
 @compiled
+def product(
+    weights: Array, factor: float, rows: Array, first: int, end: int, size: int, out: Array
+) -> None:
+    """Write factor weights rows from one place to another, a whole number of ``LANES``."""
+    for i in range(first, end, LANES):
+        at = np.uint64(i)
+        a = b = c = d = e = f = g = h = 0.0
+        for j in range(size):
+            part = factor * weights[j]
+            a += part * rows[j, at]
+            b += part * rows[j, at + _1]
+            c += part * rows[j, at + _2]
+            d += part * rows[j, at + _3]
+            e += part * rows[j, at + _4]
+            f += part * rows[j, at + _5]
+            g += part * rows[j, at + _6]
+            h += part * rows[j, at + _7]
+        out[at], out[at + _1], out[at + _2], out[at + _3] = a, b, c, d
+        out[at + _4], out[at + _5], out[at + _6], out[at + _7] = e, f, g, h
+
+
+@compiled
 def move(s: Array, z: Array, size: int, out: Array) -> None:
     """Write z + s z, s by columns."""
-    if size <= NARROW:
-        for i in range(NARROW):
-            out[i] = z[i]
-        for j in range(size):
-            part = z[j]
-            for i in range(NARROW):
-                out[i] += s[j, i] * part
-    else:
-        for i in range(WIDE):
-            out[i] = z[i]
-        for j in range(size):
-            part = z[j]
-            for i in range(WIDE):
-                out[i] += s[j, i] * part
+    product(z, 1.0, s, 0, LANES if size <= LANES else WIDE, size, out)
+    for i in range(size):
+        out[i] += z[i]
 
 
 @shared
-def twice(s: Array, size: int, out: Array) -> None:
-    """Write 2 s + s s, by columns."""
-    wide = NARROW if size <= NARROW else WIDE
+def twice(ladder: Array, level: int, size: int) -> None:
+    """Write the level after this one: 2 s + s s, by columns."""
+    s, out = ladder[level], ladder[level + 1]
     for k in range(size):
-        for i in range(wide):
-            out[k, i] = 2.0 * s[k, i]
+        product(s[k], 1.0, s, 0, LANES if size <= LANES else WIDE, size, out[k])
+        for i in range(size):
+            out[k, i] += 2.0 * s[k, i]
+
+
+@shared
+def ahead(ladder: Array, level: int, block: Array, size: int) -> None:
+    """Write Z at a block's samples, and the one after it, from its first; 2^level apart."""
+    single(ladder[level], block, PAST, 1, size)
+    single(ladder[level + 1], block, PAST, 2, size)
+    single(ladder[level + 1], block, PAST + 1, 2, size)
+    four(ladder[level + 2], block, PAST, 4, size)
+    four(ladder[level + 3], block, PAST, 8, size)
+    four(ladder[level + 3], block, PAST + 4, 8, size)
+    for first in range(PAST, PAST + 16, 4):
+        four(ladder[level + 4], block, first, 16, size)
+    single(ladder[level + 5], block, PAST, BLOCK, size)
+
+
+@compiled
+def single(s: Array, block: Array, at: int, length: int, size: int) -> None:
+    """Write the column so far after one."""
+    for i in range(size):
+        total = block[i, at]
         for j in range(size):
-            part = s[k, j]
-            for i in range(wide):
-                out[k, i] += s[j, i] * part
+            total += s[j, i] * block[j, at]
+        block[i, at + length] = total
+
+
+@compiled
+def four(s: Array, block: Array, first: int, length: int, size: int) -> None:
+    """Write the columns so far after four."""
+    at, to = np.uint64(first), np.uint64(first + length)
+    for i in range(size):
+        a, b, c, d = block[i, at], block[i, at + _1], block[i, at + _2], block[i, at + _3]
+        for j in range(size):
+            part = s[j, i]
+            a += part * block[j, at]
+            b += part * block[j, at + _1]
+            c += part * block[j, at + _2]
+            d += part * block[j, at + _3]
+        block[i, to], block[i, to + _1], block[i, to + _2], block[i, to + _3] = a, b, c, d
+
+
+@compiled
+def go_on(block: Array, size: int) -> None:
+    """Make what follows a block its first sample, its last two the past."""
+    for j in range(size):
+        for i in range(PAST + 1):
+            block[j, i] = block[j, BLOCK + i]
+    for i in range(PAST):
+        block[Y, i], block[U, i] = block[Y, BLOCK + i], block[U, BLOCK + i]
+
+
+@compiled
+def take(block: Array, column: int, size: int, out: Array) -> None:
+    """Write Z at one column."""
+    for j in range(size):
+        out[j] = block[j, column]
 
 
 @shared
 def last(
-    row: Array, factor: float, above: float, ladder: Array, level: int, zs: Array, start: int,
-    k: float, end: float, size: int,
+    row: Array, factor: float, above: float, ladder: Array, level: int, zs: Array, k: float,
+    end: float, size: int,
 ) -> float:  # fmt: skip
-    """Return the last sample before ``end`` up to which factor row z > above; z into FOUND."""
+    """Return the last sample before ``end`` up to which factor row z > above, from z in FOUND.
+
+    z there is left in FOUND.
+    """
     found, there = zs[FOUND], zs[THERE]
-    for j in range(size):
-        found[j] = zs[start, j]
     for step in range(level, -1, -1):
         length = 2.0**step
         if k + length < end:
@@ -100,18 +178,3 @@ def start(seen: Array) -> None:
         seen[i] = -1.0
     seen[TOP], seen[MOST_U], seen[LEAST_U] = -inf, -inf, inf
     seen[HIGHEST], seen[CREST] = -inf, -inf
-
-
-@compiled
-def pass_on(z: Array, zs: Array, seen: Array, y: float, u: float, k: float, size: int) -> None:
-    """Make the sample looked at the last one, and the last one the one before."""
-    seen[Y1], seen[Y2], seen[U1], seen[U2], seen[K1], seen[K2] = (
-        y,
-        seen[Y1],
-        u,
-        seen[U1],
-        k,
-        seen[K1],
-    )
-    for j in range(size):
-        zs[BEFORE, j], zs[LAST, j] = zs[LAST, j], z[j]
