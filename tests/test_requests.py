@@ -26,6 +26,8 @@ def test_random_requests_are_met_or_rightly_refused(law):
         ("pd", 11149),  # what works is 1.6 % wide, just below Nyquist's frequency
         ("pd", 17127),  # 1 % wide: the phase passes through all that the law gives there
         ("pd", 17248),
+        ("leadlag", 12383),  # its phases are 0.4 deg wide
+        ("leadlag", 14280),  # 2 % wide, between two loops that cross over elsewhere
         ("leadlag", 5036),  # these three need more than the lag's own turn
         ("leadlag", 5038),
         ("leadlag", 5043),

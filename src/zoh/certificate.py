@@ -9,16 +9,17 @@ from zoh.analysis.loop import Loop
 from zoh.analysis.margins import glance, nearest_crossing
 from zoh.analysis.stability import closed_loop_stable
 from zoh.design import p as p_law
-from zoh.design.target import Response, Target, nearest
+from zoh.design.target import ABOVE, BELOW, Response, Target, nearest
 from zoh.errors import Infeasible, SpecError
 from zoh.lti.systems import Sampled
 from zoh.request import LAWS, NEGATIVE_GAINS, UNDER_MS, UNSTABLE_CONTROLLERS, bounded_ms
-from zoh.solving import SolvedLaw, elsewhere, solved
+from zoh.solving import ELSEWHERE, UNSTABLE, elsewhere, solved
 from zoh.spec import Crossover
 
 _AS_WELL = {"largest_ki_ms": "least_iae_ms"}  # there is one where there is the other
 _APPROACHED_DEG = 1e-6  # an open interval's end is had this near to it
 _STEP_DEG, _SEARCHED_STEP_DEG = 0.5, 5.0  # of the margins looked at; a search takes longer
+_NARROW_DEG = 25.0  # an interval of phases below which fewer degrees are stepped over
 _EDGE_DEG = 1e-7  # what is offered is had within ten times that
 _WORDS = (NEGATIVE_GAINS, UNSTABLE_CONTROLLERS)
 _SMALL_KI = 1e-3  # times wc/|G|: an integral that is there and turns next to nothing
@@ -38,13 +39,16 @@ def certified(
     """Return the refusal with where this law can, and which laws can here; all of it tried."""
     most = bounded_ms(parameters)
 
-    def holds(controller: Sampled, at: Crossover) -> bool:
+    def fails(controller: Sampled, at: Crossover) -> str:
         loop = Loop.of(controller, sampled)
-        if not closed_loop_stable(loop) or elsewhere(*nearest_crossing(loop), at):
-            return False
-        return most == inf or glance(loop).ms <= most
+        if not closed_loop_stable(loop):
+            return UNSTABLE
+        crossover, pm_deg = nearest_crossing(loop)
+        if elsewhere(crossover, pm_deg, at):
+            return f"{ELSEWHERE}, {'early' if pm_deg < 0 else 'late'}"  # as its phase is
+        return "" if most == inf or glance(loop).ms <= most else "its Ms is above the bound"
 
-    told = advised(refused, law, sampled, spec, parameters, holds, allow)
+    told = advised(refused, law, sampled, spec, parameters, fails, allow)
     if told.nearest_wc is not None or NEGATIVE_GAINS in allow:
         return told
     return told.because(backwards(sampled))
@@ -66,33 +70,30 @@ def backwards(sampled: Sampled) -> str:
 
 def advised(
     refused: Infeasible, law: str, sampled: Response, spec: Crossover,
-    parameters: Mapping[str, float], holds: Callable[[Sampled, Crossover], bool],
+    parameters: Mapping[str, float], fails: Callable[[Sampled, Crossover], str],
     allow: frozenset[str] = frozenset(),
 ) -> Infeasible:  # fmt: skip
-    """Return the refusal with all that could be had instead, tried by ``holds``."""
+    """Return the refusal with all that could be had instead.
+
+    fails  how a controller's loop is not what is wanted, "" where it is
+    """
     wanted = {_AS_WELL.get(k, k): v for k, v in parameters.items()}
 
-    def tried(name: str, at: Crossover, also: frozenset[str]) -> SolvedLaw:
-        return solved(name, sampled, at, {**_free(name, sampled, at), **wanted}, None, also)
+    def why_not(name: str, at: Crossover, also: frozenset[str] = allow) -> str:
+        try:
+            given = {**_free(name, sampled, at), **wanted}
+            found = solved(name, sampled, at, given, None, also)
+        except Infeasible as here:
+            return _side(here)
+        except (SpecError, OverflowError):  # the last one in what is tried
+            return "its gains are beyond a float"
+        return fails(found.controller, at)
 
     def works(name: str, at: Crossover, also: frozenset[str] = allow) -> bool:
-        try:
-            found = tried(name, at, also)
-        except (Infeasible, SpecError, OverflowError):  # the last one in what is tried
-            return False
-        return holds(found.controller, at)
+        return not why_not(name, at, also)
 
     def has(pm_deg: float) -> bool:
         return 0 < pm_deg < 180 and works(law, Crossover(wc=spec.wc, pm_deg=pm_deg))
-
-    def aside(wc: float) -> float | None:
-        try:
-            tried(law, Crossover(wc=wc, pm_deg=spec.pm_deg), allow)
-        except Infeasible as here:
-            return _beyond(here)
-        except (SpecError, OverflowError):
-            return None
-        return 0.0
 
     searched = any(k in parameters for k in UNDER_MS)
     end = 180.0 if allow and law != "p" else None  # a P has one margin, of whichever sign
@@ -104,22 +105,23 @@ def advised(
         gives_deg=refused.gives_deg,
         best_pm_deg=best_margin(has, refused, _SEARCHED_STEP_DEG if searched else _STEP_DEG, end),
         nearest_wc=nearest(
-            lambda wc: works(law, Crossover(wc=wc, pm_deg=spec.pm_deg)),
+            lambda wc: why_not(law, Crossover(wc=wc, pm_deg=spec.pm_deg)),
             spec.wc,
             sampled.dt,
             sampled.delay if isinstance(sampled, Sampled) else 0,
-            aside,
         ),
         laws_that_can=tuple(name for name in LAWS if name != law and works(name, spec)),
     )
 
 
-def _beyond(refused: Infeasible) -> float | None:
-    """Return by how many degrees the phase needed is above what the law gives, or below it."""
+def _side(refused: Infeasible) -> str:
+    """Return on which side of what the law gives the phase needed is, or that nothing tells."""
     if refused.gives_deg is None or refused.needed_deg is None:
-        return None
+        return "refused"
     low, high = refused.gives_deg
-    return min(refused.needed_deg - low, 0.0) + max(refused.needed_deg - high, 0.0)
+    return (
+        BELOW if refused.needed_deg <= low else ABOVE if refused.needed_deg >= high else "refused"
+    )
 
 
 def best_margin(
@@ -128,10 +130,14 @@ def best_margin(
     """Return the largest margin in deg that ``has`` says can be had, None if none.
 
     The end of the phases (``end`` where the law has no such), where a margin just below it can be
-    had; else looked for from there down, ``step`` deg at a time, the edge then halved to 1e-7 deg,
-    and its good side returned.
+    had; else looked for from there down, ``step`` deg at a time, a narrow interval as closely as
+    one of 25 deg, the edge then halved to 1e-7 deg, and its good side returned.
     """
-    end = refused.best_pm_deg if end is None else end
+    span = 180.0
+    if end is None:
+        end = refused.best_pm_deg
+        if refused.gives_deg is not None:
+            span = min(span, refused.gives_deg[1] - refused.gives_deg[0])
     if end is None:
         return None
     low, high = refused.gives_deg or (0.0, 0.0)
@@ -143,7 +149,8 @@ def best_margin(
     def surely(pm_deg: float) -> bool:  # where |L| is flat, one margin may be had by luck
         return has(pm_deg) and has(pm_deg - _APPROACHED_DEG)
 
-    for k in range(1, ceil(end / step)):
+    step *= min(1.0, span / _NARROW_DEG)
+    for k in range(1, ceil(min(end, span) / step)):
         if surely(good := end - k * step):
             return _edge(surely, good, good + step)
     return None

@@ -19,6 +19,7 @@ from zoh.spec import Crossover
 
 _MARGIN_TOL_DEG = 1e-9  # the promise of this library; the closed forms reach some 1e-13
 _CROSSOVER_TOL = 1e-9  # relative
+UNSTABLE, ELSEWHERE = "the loop is unstable", "the loop crosses over elsewhere"
 _SIGNED = ("kp", "ki", "kd", "dc_gain")  # what changes its sign with the controller
 
 

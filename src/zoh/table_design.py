@@ -27,7 +27,15 @@ from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.systems import Sampled
 from zoh.lti.weights import WEIGHTS
 from zoh.request import CANCELLED_UNSTABLE_MODES, LAWS
-from zoh.solving import SolvedLaw, by_gain_alone, not_as_asked, off_target, solved
+from zoh.solving import (
+    ELSEWHERE,
+    UNSTABLE,
+    SolvedLaw,
+    by_gain_alone,
+    not_as_asked,
+    off_target,
+    solved,
+)
 from zoh.spec import Crossover, Requirements
 
 
@@ -95,11 +103,13 @@ def _advised(
     refused: Infeasible, law: str, plant: Clocked, spec: Crossover,
     parameters: Mapping[str, float], allow: frozenset[str],
 ) -> Infeasible:  # fmt: skip
-    def holds(controller: Sampled, at: Crossover) -> bool:
+    def fails(controller: Sampled, at: Crossover) -> str:
         path = Path.of(plant.whole(controller) * plant.table)
-        return count(path).unstable == 0 and not off_target(Seen.of(path), at)
+        if count(path).unstable != 0:
+            return UNSTABLE
+        return ELSEWHERE if off_target(Seen.of(path), at) else ""
 
-    return advised(refused, law, plant, spec, parameters, holds, allow)
+    return advised(refused, law, plant, spec, parameters, fails, allow)
 
 
 def _free_p(

@@ -5,7 +5,7 @@ The integrator 1/(z - 1) has there |G| = 1/sqrt 2, arg G = -135 deg, v = 2 and x
 """
 
 from itertools import count
-from math import cos, log, pi, radians, sqrt
+from math import cos, pi, radians, sqrt
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ import pytest
 import zoh
 from zoh.design import first_order, p, pid
 from zoh.design import pi as pi_law
-from zoh.design.target import Target, nearest
+from zoh.design.target import ABOVE, BELOW, Target, nearest
 from zoh.errors import Infeasible, SpecError
 from zoh.lti.systems import Sampled
 from zoh.spec import Crossover
@@ -242,44 +242,48 @@ def _acos(c):
     ],
 )
 def test_the_nearest_frequency_that_works(works, wc, dt, found):
-    got = nearest(works, wc, dt)
+    got = nearest(lambda w: "" if works(w) else "no", wc, dt)
     assert got == (None if found is None else pytest.approx(found, rel=1e-14))
     assert got is None or works(got)
 
 
-@pytest.mark.parametrize("at", [0.0123, 0.5017, 7.7777, 300.1])
-def test_what_is_narrower_than_the_search_is_found_where_the_phase_changes_sides(at):
-    """A millionth of a frequency works; the phase is above it on one side, below on the other."""
+@pytest.mark.parametrize("at", [0.0123, 0.5017, 7.7777, 333.3])
+@pytest.mark.parametrize(("part", "below", "above"), [(1e-6, BELOW, ABOVE), (1e-3, "a", "b")])
+def test_what_is_narrower_than_the_search_is_found_where_the_reason_changes(at, part, below, above):
+    """A millionth of a frequency where a phase is passed, a thousandth where a loop is measured."""
 
-    def works(w):
-        return at <= w <= at * (1 + 1e-6)
+    def why_not(w):
+        return below if w < at else above if w > at * (1 + part) else ""
 
-    def aside(w):
-        return 0.0 if works(w) else 50 * log(w / at)
-
-    got = nearest(works, 1.0, 0.001, aside=aside)
-    assert works(got)
-    assert nearest(works, 1.0, 0.001) is None
-    assert nearest(works, 1.0, 0.001, aside=lambda w: 4e3 * aside(w)) is None  # a turn by 360 deg
+    got = nearest(why_not, 1.0, 0.001)
+    assert not why_not(got)
+    assert nearest(lambda w: why_not(w) and "no", 1.0, 0.001) is None  # unless a step falls on it
 
 
 def test_the_nearest_is_the_edge_itself_where_its_seven_digits_do_not_work():
-    got = nearest(lambda w: sqrt(2) < w and w != 1.414214, 1.0, 1.0)
+    got = nearest(lambda w: "" if sqrt(2) < w and w != 1.414214 else "no", 1.0, 1.0)
     assert got == pytest.approx(sqrt(2), rel=1e-12)
     assert got > sqrt(2)
 
 
 def test_no_more_frequencies_are_tried_than_seven_digits_need():
     asked = []
-    assert nearest(lambda w: asked.append(w) or w >= sqrt(2), 1.0, 0.01) == 1.414214
-    outwards = 2 * 12 - 1  # 1.03^12 is above sqrt(2), and there are as many down, but for the last
+
+    def why_not(w):
+        asked.append(w)
+        return "" if w >= sqrt(2) else "no"
+
+    assert nearest(why_not, 1.0, 0.01) == 1.414214
+    # 1.03^12 is above sqrt(2), and there are as many down, but for the last; wc itself
+    outwards = 2 * 12 - 1 + 1
     # 3 % of sqrt(2) is 2^15.4 units of 1e-6; four more for an edge near a unit's end, one at last
     assert outwards < len(asked) <= outwards + 16 + 4 + 1
 
 
 def test_the_nearest_is_looked_for_below_nyquist_alone():
     asked = []
-    assert nearest(lambda w: asked.append(w) is not None, 1.0, 0.01) is None
+    assert nearest(lambda w: asked.append(w) or "no", 1.0, 0.01) is None
+    assert asked.pop(0) == 1.0
     assert 0.99 * pi / 0.01 < max(asked) < pi / 0.01
     # outwards from wc, to both sides in turn, 3 % at a time
     assert sorted(asked[:2]) == pytest.approx([1 / 1.03, 1.03], rel=1e-14)
@@ -290,7 +294,7 @@ def test_the_nearest_is_looked_for_below_nyquist_alone():
 @pytest.mark.parametrize("late", [0, 8])
 def test_near_nyquist_the_phase_is_what_is_stepped_through(late):
     asked = []
-    assert nearest(lambda w: asked.append(w) is not None, 1.0, 1.0, late) is None
+    assert nearest(lambda w: asked.append(w) or "no", 1.0, 1.0, late) is None
     up = np.array(sorted(w for w in asked if w > 1))
     # 0.02 rad of the clock, a third of it with eight samples of delay
     assert np.diff(up) == pytest.approx(0.02 / (1 + late / 4), rel=1e-9)

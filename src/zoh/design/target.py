@@ -27,8 +27,8 @@ _CANCELLED = 1e-13  # of its terms: what is left of a polynomial at its own root
 
 _STEP, _TURN = 0.03, 0.02  # of a frequency, and rad a sample: between two that are tried
 _LEAST = 8e-4  # of wc: the slowest that is tried
-_LEAP_DEG = 90.0  # more between two frequencies is a turn by 360 deg, not a phase passed
-_HALVINGS = 40
+_HALVINGS, _FEW = 40, 10  # of a step: where a phase is passed, and where a loop has to be measured
+BELOW, ABOVE = "the phase needed is below what it gives", "the phase needed is above what it gives"
 
 Phases = tuple[float, float] | None  # an open interval in rad, None where a law can give nothing
 
@@ -128,45 +128,40 @@ def _span(phases: tuple[float, float]) -> str:
     return " to ".join(f"{degrees(end):+.4g}" if abs(end) > 1e-9 else "0" for end in phases)
 
 
-def nearest(
-    works: Callable[[float], bool], wc: float, dt: float, late: int = 0,
-    aside: Callable[[float], float | None] = lambda _: None,
-) -> float | None:  # fmt: skip
-    """Return the frequency nearest to wc (in log) at which ``works`` says yes, None if nowhere.
+def nearest(why_not: Callable[[float], str], wc: float, dt: float, late: int = 0) -> float | None:
+    """Return the frequency nearest to wc (in log) at which nothing speaks against it, or None.
 
     Looked for from wc/1000 to 1000 wc, below Nyquist's frequency, 3 % at a time, less
     where the hold and ``late`` samples of delay turn faster; the edge is then closed in on, and
     left on its working side by rounding to seven digits, so that what is printed works too.
 
-    aside  by how many degrees the phase needed is beyond what the law gives, below it negative, 0
-           within, None where that does not tell: where it changes its side between two
-           frequencies, there is one between at which the law gives it, however narrow that is
+    why_not  the reason, "" where there is none; what works may be narrower than a step: where the
+             reason changes between two frequencies, it is looked for where it changes
     """
     turn = _TURN / (dt * (1 + late / 4))
-    last: dict[bool, float | None] = dict.fromkeys((False, True), aside(wc))  # below wc, above it
+    reasons = dict.fromkeys((False, True), why_not(wc))  # below wc, above it
     sides = (_outwards(wc, side, turn, pi / dt) for side in (-1, 1))
     for _, probe, before in merge(*sides):
-        if works(probe):
-            return _edge(works, before, probe)
-        there, here = last[probe > wc], aside(probe)
-        if there and here and there * here < 0 and abs(there - here) < _LEAP_DEG:
-            within = _within(aside, before, probe, there)
-            if within is not None and works(within):
-                return _edge(works, before, within)
-        last[probe > wc] = here
+        there, here = reasons[probe > wc], why_not(probe)
+        found = probe if not here else None
+        if here and here != there:
+            found = _between(why_not, before, probe, there, here)
+        if found is not None:
+            return _edge(lambda w: not why_not(w), before, found)
+        reasons[probe > wc] = here
     return None
 
 
-def _within(
-    aside: Callable[[float], float | None], start: float, end: float, there: float
+def _between(
+    why_not: Callable[[float], str], start: float, end: float, there: str, here: str
 ) -> float | None:
-    """Return a frequency between two, on different sides, at which the phase is given."""
-    for _ in range(_HALVINGS):
+    """Return a frequency that works where one reason gives way to another, None if none is seen."""
+    for _ in range(_HALVINGS if {there, here} == {BELOW, ABOVE} else _FEW):
         middle = sqrt(start * end)
-        found = aside(middle)
+        found = why_not(middle)
         if not found:
-            return None if found is None else middle
-        start, end = (middle, end) if found * there > 0 else (start, middle)
+            return middle
+        start, end = (middle, end) if found == there else (start, middle)
     return None
 
 
