@@ -19,6 +19,8 @@ Index = npt.NDArray[np.intp]
 
 _GRID = np.geomspace(1e-4, 1e7, 40)  # of q, where a peak is first looked for
 _POLISH = 3
+_FLAT = 1e-8  # of q: a/b is within its square of its least
+_BESIDE = 1e-6  # of q: this far from the least the slope has a sign that rounding does not make
 _STEPS = 100
 
 
@@ -77,9 +79,10 @@ def measured(loops: Loops) -> tuple[dict[str, Array], Mask]:
         more, unsure = _by_phase(loops)
         found |= more
         doubt |= unsure
+        on_grid = _on_grid(aa)
         peaks = {"modulus": dd, "mt": nn, "disk": rows.squared(d - n)}
         for name, below in peaks.items():
-            v, unsure = _lowest(aa, below)
+            v, unsure = _lowest(aa, below, on_grid)
             doubt |= unsure
             found |= _peak(loops, name, v)
         found["bandwidth"], unsure = _bandwidth(loops, nn, aa)
@@ -161,15 +164,16 @@ def _taken(values: Array, rows_: Index, none: Mask) -> Array:
     return np.asarray(np.take_along_axis(values, rows_[None, :], axis=0)[0])
 
 
-def _lowest(a: Array, b: Array) -> tuple[Array, Mask]:
-    """Return (v where a/b is least over q = v^2 in [0, inf], whether that is in doubt)."""
-    ratio = rows.at(a, _GRID[:, None] + np.zeros(a.shape[1])) / rows.at(
-        b, _GRID[:, None] + np.zeros(a.shape[1])
-    )
+def _lowest(a: Array, b: Array, on_grid: Array) -> tuple[Array, Mask]:
+    """Return (v where a/b is least over q = v^2 in [0, inf], whether that is in doubt).
+
+    on_grid  a at the points of the grid
+    """
+    ratio = on_grid / _on_grid(b)
     best = np.clip(np.argmin(ratio, axis=0), 1, len(_GRID) - 2)
     q, inside = _flat(a, b, _GRID[best - 1], _GRID[best + 1], _GRID[best])
     value = rows.at(a, q) / rows.at(b, q)
-    v, value = np.sqrt(q), value
+    v = np.sqrt(q)
     for end, here in ((0.0, a[0] / b[0]), (np.inf, a[-1] / b[-1])):
         lower = here <= value * (1 + 1e-14)
         v, value = np.where(lower, end, v), np.where(lower, here, value)
@@ -181,28 +185,44 @@ def _lowest(a: Array, b: Array) -> tuple[Array, Mask]:
     return v, doubt
 
 
+def _on_grid(a: Array) -> Array:
+    return np.asarray(_GRID[:, None] ** np.arange(len(a)) @ a)
+
+
 def _flat(a: Array, b: Array, low: Array, high: Array, q: Array) -> tuple[Array, Mask]:
-    """Return (where the slope of log a/b becomes positive in (low, high), whether it does)."""
-    falls, rises = np.zeros(len(q), bool), np.zeros(len(q), bool)
+    """Return (where the slope of a/b becomes positive in (low, high), whether it does).
+
+    Half the digits of it are enough, as a/b is flat there; the last of Newton's steps has more.
+    """
     da, db = rows.derivative(a), rows.derivative(b)
-    step = np.full(len(q), np.inf)
+    out = np.empty_like(q)
+    index, step, f = np.arange(len(q)), np.full(len(q), np.inf), (a, b, da, db)
     for _ in range(_STEPS):
-        fa, sa = rows.at(a, q), rows.at(da, q)
-        fb, sb = rows.at(b, q), rows.at(db, q)
-        _, ca = rows.with_slope(da, q)
-        _, cb = rows.with_slope(db, q)
-        slope = sa * fb - fa * sb
+        slope, bend = _slope(*f, q)
         left = slope < 0
-        falls |= left
-        rises |= ~left
         low, high = np.where(left, q, low), np.where(left, high, q)
-        new = q - slope / (ca * fb - fa * cb)
+        new = q - slope / bend
         inside = (new > low) & (new < high) & (2 * np.abs(new - q) <= step)
         last, q = q, np.where(inside, new, np.sqrt(low * high))
         step = np.abs(q - last)
-        if np.all((step <= 1e-15 * q) | (high <= low * (1 + 1e-14))):
+        go = step > _FLAT * q
+        if np.all(go):
+            continue
+        out[index[~go]] = q[~go]
+        if not go.any():
             break
-    return q, falls & rises
+        index, low, high, q, step = index[go], low[go], high[go], q[go], step[go]
+        f = (f[0][:, go], f[1][:, go], f[2][:, go], f[3][:, go])
+    out[index] = q
+    falls = _slope(a, b, da, db, out * (1 - _BESIDE))[0] < 0
+    return out, falls & (_slope(a, b, da, db, out * (1 + _BESIDE))[0] > 0)
+
+
+def _slope(a: Array, b: Array, da: Array, db: Array, q: Array) -> tuple[Array, Array]:
+    """Return (a' b - a b', its derivative) at q."""
+    at_a, at_b = rows.at(a, q), rows.at(b, q)
+    (of_a, bend_a), (of_b, bend_b) = rows.with_slope(da, q), rows.with_slope(db, q)
+    return of_a * at_b - at_a * of_b, bend_a * at_b - at_a * bend_b
 
 
 def _nothing_below(rest: Array, q: Array) -> Mask:

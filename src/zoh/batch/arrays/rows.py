@@ -51,8 +51,11 @@ def times(a: Array, b: Array) -> Array:
 
 def at(a: Array, x: Array) -> Array:
     """Return the value at x, shape (..., B)."""
-    out = np.broadcast_to(a[-1], x.shape).copy()
-    for row in a[-2::-1]:
+    if len(a) == 1:
+        return a[0] + np.zeros(x.shape)
+    out: Array = a[-1] * x
+    out += a[-2]
+    for row in a[-3::-1]:
         out *= x
         out += row
     return out
@@ -60,8 +63,11 @@ def at(a: Array, x: Array) -> Array:
 
 def with_slope(a: Array, x: Array) -> tuple[Array, Array]:
     """Return the value and the derivative at x."""
-    value, slope = np.broadcast_to(a[-1], x.shape).copy(), np.zeros(x.shape)
-    for row in a[-2::-1]:
+    if len(a) == 1:
+        return a[0] + np.zeros(x.shape), np.zeros(x.shape)
+    value, slope = a[-1] * x, a[-1] + np.zeros(x.shape)
+    value += a[-2]
+    for row in a[-3::-1]:
         slope *= x
         slope += value
         value *= x
@@ -103,7 +109,7 @@ def squared(a: Array) -> Array:
 def on_axis(a: Array, v: Array) -> tuple[Complex, Complex]:
     """Return a(jv) and a'(jv), the derivative by its argument."""
     s = 1j * v
-    value, slope = np.broadcast_to(a[-1] + 0j, s.shape).copy(), np.zeros(s.shape, complex)
+    value, slope = a[-1] + np.zeros(s.shape, complex), np.zeros(s.shape, complex)
     for row in a[-2::-1]:
         slope *= s
         slope += value
