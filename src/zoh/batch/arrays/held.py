@@ -19,6 +19,7 @@ and 2.8 (zeros of sampled systems); NIST DLMF 24.2.6 (Euler's polynomials).
 """
 
 from dataclasses import dataclass
+from functools import cache
 from math import factorial
 
 import numpy as np
@@ -224,18 +225,22 @@ def _in_p(x: Array) -> Array:
 
 def _at_nyquist(h: Array, lead: Array) -> Array:
     """Return the plants' gain at z = -1 but for their whole samples of delay."""
-    total = np.zeros(len(lead))
-    for k, euler in enumerate(_euler(lead, EULERS), start=1):
-        total += euler * h[k - 1]
-    return total
+    if not lead.any():
+        return np.asarray(_euler(EULERS)[1:, 0] @ h[:EULERS])
+    powers = np.vander(lead, EULERS + 1, increasing=True).T
+    return np.asarray(np.sum((_euler(EULERS)[1:] @ powers) * h[:EULERS], axis=0))
 
 
-def _euler(t: Array, count: int) -> list[Array]:
-    """Return E_k(t)/k! for k = 1 ... count, from 2 e^(xt) = (e^x + 1) sum_k E_k(t)/k! x^k."""
-    found = [np.ones_like(t)]
-    for k in range(1, count + 1):
-        rest = 2 * t**k / factorial(k)
-        for j, known in enumerate(found):
-            rest = rest - known / factorial(k - j)
-        found.append(rest / 2)
-    return found[1:]
+@cache
+def _euler(count: int) -> Array:
+    """Return the coefficients of E_k(t)/k!, a row for each k up to count, by ascending powers.
+
+    From 2 e^(xt) = (e^x + 1) sum_k E_k(t)/k! x^k.
+    """
+    found = np.zeros((count + 1, count + 1))
+    for k in range(count + 1):
+        found[k, k] = 2 / factorial(k)
+        for j in range(k):
+            found[k] -= found[j] / factorial(k - j)
+        found[k] /= 2
+    return found

@@ -52,7 +52,7 @@ def times(a: Array, b: Array) -> Array:
 def at(a: Array, x: Array) -> Array:
     """Return the value at x, shape (..., B)."""
     if len(a) == 1:
-        return a[0] + np.zeros(x.shape)
+        return np.asarray(a[0] + np.zeros(x.shape))
     out: Array = a[-1] * x
     out += a[-2]
     for row in a[-3::-1]:
