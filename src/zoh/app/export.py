@@ -11,7 +11,7 @@ from zoh.app.commands import Entry, design_all
 from zoh.app.project import Project
 from zoh.app.toml import within
 from zoh.errors import NotMet, SpecError, Unequal
-from zoh.firmware.asked import KEYWORDS
+from zoh.firmware.asked import TAKEN
 from zoh.firmware.book import IO_BITS
 from zoh.firmware.equality import Equality
 from zoh.firmware.export import texts
@@ -147,7 +147,7 @@ def _shown(ends: Range) -> str:
 def _identifier(name: str, taken: Sequence[str]) -> str:
     """Return a name that C allows, different from those taken."""
     plain = slug(name).replace("-", "_")
-    base = plain if plain[0].isalpha() and plain not in KEYWORDS else f"c_{plain}"
+    base = plain if plain[0].isalpha() and plain not in TAKEN else f"c_{plain}"
     return slug(base[:_LONGEST], [t.replace("_", "-") for t in taken]).replace("-", "_")
 
 

@@ -26,6 +26,12 @@ KEYWORDS = (
     "union unsigned void volatile while class new delete this template namespace using operator "
     "private public protected try catch throw true false bool"
 ).split()
+HEADERS = (  # a header of this name beside the source would be found in the place of C's
+    "assert complex ctype errno fenv inttypes iso646 limits locale math setjmp signal stdalign "
+    "stdarg stdatomic stdbool stddef stdint stdio stdlib stdnoreturn string tgmath threads time "
+    "uchar wchar wctype"
+).split()
+TAKEN = frozenset({*KEYWORDS, *HEADERS})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,6 +59,13 @@ class Asked:
         if self.derivative_weight != 1:
             return "derivative_weight"
         return "anti_windup" if self.anti_windup in ("conditional", "back_calculation") else ""
+
+    @property
+    def in_sections(self) -> str:
+        """Return what of ``needs_parallel`` sections take."""
+        if self.needs_parallel == "anti_windup":
+            return "must be tracking or none for a controller in sections"
+        return "must be 1 for a controller in sections"
 
     @property
     def eased(self) -> Requirements:
@@ -146,10 +159,10 @@ def asked(
 
 def _identifier(name: object) -> str:
     text = checks.text("name", name)
-    if not fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,30}", text) or text in KEYWORDS:
+    if not fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,30}", text) or text in TAKEN:
         raise SpecError(
             "name",
-            "must be a C identifier of 31 characters or fewer, no word of C's own",
+            "must be a C identifier of 31 characters or fewer, no word or header of C's",
             name,
             'such as "arm_pid"',
         )

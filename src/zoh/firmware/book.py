@@ -111,6 +111,10 @@ class Book:
             rounded = self._nearest(value)
             if (Fraction(rounded) < value) if up else (Fraction(rounded) > value):
                 rounded = self._next(rounded, up)
+        if rounded == 0 and value != 0:
+            raise SpecError(
+                name, "must not vanish in this format", float(value), "choose a longer number"
+            )
         return self.fixed(name, rounded, says)
 
     def fixed(self, name: str, value: float | int, says: str, point: int = 0) -> str:
@@ -123,15 +127,17 @@ class Book:
     def _nearest(self, value: Fraction) -> float:
         if self.format.number == "f64":
             return float(value)
-        near = np.float32(float(value))
+        with np.errstate(over="ignore"):  # said below
+            near = np.float32(float(value))
         # a double that lies half-way between two floats hides to which side the value is
         beside = [np.nextafter(near, np.float32(s)) for s in (-inf, inf)]
-        best = min((near, *beside), key=lambda x: abs(Fraction(float(x)) - value))
-        if not np.isfinite(best):
+        if not np.isfinite(near):
             raise SpecError(
-                "number", "must hold every coefficient", float(value), "choose number='f64'"
-            )
-        return float(best)
+                "number", f"must hold every constant, {float(value):.3g} among them",
+                self.format.number, "choose f64",
+            )  # fmt: skip
+        finite = [x for x in (near, *beside) if np.isfinite(x)]
+        return float(min(finite, key=lambda x: abs(Fraction(float(x)) - value)))
 
     def _next(self, value: float, up: bool) -> float:
         if self.format.number == "f64":

@@ -61,8 +61,8 @@ def candidates(request: Asked, number: Number) -> dict[str, Callable[[], Step]]:
                 found[name] = partial(_cascade, request, number, name == "delta")
     if not found:
         raise SpecError(
-            request.needs_parallel, "must be left out for a controller in sections",
-            request.verified.law, "it belongs to the parallel form: P, I and filtered differences",
+            request.needs_parallel, request.in_sections, getattr(request, request.needs_parallel),
+            "the rest belongs to the parallel form: P, I and filtered differences",
         )  # fmt: skip
     return found
 

@@ -17,8 +17,11 @@ from zoh.firmware.words import float_literal, result_type, state_type
 
 _SYMBOLS = {"add": "+", "sub": "-", "mul": "*"}
 _FLOAT_GUARDS = """\
-#if defined(__FAST_MATH__)
-#error "this code needs IEEE 754 arithmetic: build it without -ffast-math"
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__)
+#error "this code needs IEEE 754 arithmetic: build it without -ffast-math and its parts"
+#endif
+#if defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ != 0)
+#error "this code looks for what is not finite: build it without -ffinite-math-only"
 #endif
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "this code needs every operation rounded to its own type"

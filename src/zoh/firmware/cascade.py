@@ -39,15 +39,11 @@ class CascadeStep(CascadeShape):
         )  # fmt: skip
 
     def _write_section(self, book: Book, i: int) -> None:
-        """Write the constants of a section; an integrator stays one when they are rounded."""
+        """Write the constants of a section."""
         if self.format.whole:
             self._write_whole(book, i)
             return
-        b, (a1, a2) = self.taken(i)
-        if not self.delta and 1 + a1 + a2 == 0:
-            a2 = self.rounded(a2)
-            a1 = -1 - a2
-        for name, c in named(b, (a1, a2)):
+        for name, c in named(*self.taken(i)):
             if c not in (0, 1):  # what needs no product
                 book.gain(f"{name}_{i + 1}", c, f"section {i + 1}: {in_books(name)}")
 

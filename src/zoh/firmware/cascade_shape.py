@@ -35,9 +35,15 @@ class CascadeShape:
         return cls(sections=sections, features=features, format=form, delta=delta, points=points)
 
     def taken(self, i: int) -> tuple[Exact, Exact]:
-        """Return (b, a) of section i in its form; the last one counts in steps of u per step."""
+        """Return (b, a) of section i in its form; the last one counts in steps of u per step.
+
+        In floats an integrator's a are those that stay one when they are rounded.
+        """
         section = self.sections[i]
         b, a = (section.b, section.a) if self.delta else section.in_z
+        if not self.delta and not self.format.whole and 1 + sum(a) == 0:
+            a2 = self.rounded(a[1])
+            a = (-1 - a2, a2)
         gain = self.format.gain if i == len(self.sections) - 1 else Fraction(1)
         return tuple(c * gain for c in b), a
 

@@ -78,6 +78,8 @@ def named(targets: object) -> tuple[Core, ...]:
     """
     if isinstance(targets, str) or not isinstance(targets, (list, tuple)):
         raise SpecError("targets", "must be a list of cores", targets, f'such as ["{NAMES[2]}"]')
+    if not targets:
+        raise SpecError("targets", "must have a core", targets, "leave it out for all of them")
     for target in targets:
         if target not in NAMES:
             raise SpecError("targets", f"must be of {', '.join(NAMES)}", target, "choose of these")

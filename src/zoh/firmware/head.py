@@ -118,11 +118,11 @@ def _rounding(plan: Plan) -> str:
 
 def _numbers(plan: Plan) -> list[str]:
     f = plan.features
+    each = [_limit("u_min", f.u_min), _limit("u_max", f.u_max), _limit("rate", f.change)]
+    limits = ", ".join(x for x in each if x) or "no limits"
     if plan.number not in IO_BITS:
-        limits = [_limit("u_min", f.u_min), _limit("u_max", f.u_max), _limit("rate", f.change)]
         return [
-            f"numbers  {result_type(plan.number)}, {plan.realisation}; "
-            + (", ".join(x for x in limits if x) or "no limits"),
+            f"numbers  {result_type(plan.number)}, {plan.realisation}; {limits}",
             "a sample that makes anything infinite or not a number is not used: the states stay,",
             "the last output is returned, faults counts it",
         ]
@@ -133,7 +133,7 @@ def _numbers(plan: Plan) -> list[str]:
         f"numbers  {plan.number}, {plan.realisation}: r and y count "
         f"{float(plan.format.y_unit):.9g}, u and ff {float(plan.format.u_unit):.9g} a step;",
         f"         {half} of them are {float(plan.format.y_unit * half):.9g} "
-        f"and {float(plan.format.u_unit * half):.9g}",
+        f"and {float(plan.format.u_unit * half):.9g}; {limits}",
         "no value overflows, whatever the inputs and for all time; states within",
         *states,
     ]
@@ -150,7 +150,8 @@ def _use(plan: Plan) -> list[str]:
     n = plan.name
     return [
         f"use      {n}_init once; {n}_step every dt with reference, measurement and a feed-",
-        f"         forward, 0 where there is none; {n}_track instead while another sets u;",
+        f"         forward, 0 where there is none; {n}_track instead while another sets u,",
+        "         which is given less the feed-forward that the next step adds;",
         f"         {n}_selftest is 0 if compiler and processor compute what was verified",
     ]
 

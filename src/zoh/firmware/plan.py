@@ -8,6 +8,7 @@ a surprise on a board.
 
 from dataclasses import dataclass
 from hashlib import sha256
+from math import floor
 
 from zoh import checks
 from zoh.errors import NotMet, SpecError, ZohError
@@ -18,6 +19,7 @@ from zoh.firmware.lines import NUMBERS, Coefficient, Number, Program
 from zoh.firmware.ranges import Ranges
 from zoh.lti.frequency_response import FrequencyResponse
 
+_FINE = 100  # steps a sample: what is lost of a rate by whole ones is 1 % at most
 _SAME_DEG = 0.01  # losses this near to each other do not decide between realisations
 
 
@@ -152,7 +154,7 @@ def _planned(request: Asked, number: Number, most: float, before: tuple[str, ...
         name=request.name, number=number, realisation=chosen.realisation, dt=chosen.design.dt,
         design=chosen.design, quantised=chosen.quantised, program=chosen.program,
         ranges=chosen.ranges, features=step.features, format=step.format,
-        said=(*before, why, *others, *_windup(chosen)),
+        said=(*before, why, *others, *_windup(chosen), *_slower(chosen)),
     )  # fmt: skip
 
 
@@ -168,10 +170,22 @@ def _kept(found: Built, most: float) -> Built:
 def _windup(made: Built) -> tuple[str, ...]:
     how = made.step.features.anti_windup
     if not made.step.features.limited:
-        return ()
+        return ("anti-windup: none, for nothing limits u",)
     if how == "tracking" and made.realisation != "pid":
         return ("anti-windup: the last section is told the limited output",)
     return (f"anti-windup: {how}",)
+
+
+def _slower(made: Built) -> tuple[str, ...]:
+    """Return by how much a rate in whole steps is less than the one asked for, where it matters."""
+    form, change = made.step.format, made.step.features.change
+    if change is None or not form.whole:
+        return ()
+    steps = floor(change / form.u_unit)
+    if steps > _FINE:
+        return ()
+    lost = 100 * (1 - steps * form.u_unit / change)
+    return (f"rate: {steps} steps a sample, {float(lost):.2g} % less than asked",)
 
 
 def _plant_of(design: Design) -> list[object]:
