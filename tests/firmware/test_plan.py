@@ -243,7 +243,7 @@ def test_what_is_not_verified_is_refused():
 def test_sections_have_no_part_that_could_be_weighted(options):
     with pytest.raises(zoh.SpecError, match=f"{next(iter(options))} must be (1|tracking)"):
         made("notched", "f32", **options)
-    with pytest.raises(zoh.SpecError, match="must be (1|tracking)"):
+    with pytest.raises(zoh.SpecError, match=r"must be (1|tracking)"):
         made("pid", "f32", realisation="cascade", **options)
 
 
@@ -258,14 +258,6 @@ def test_three_integrators_have_no_sections():
     triple = zoh.Sampled(num=[8.0, -19.2, 15.36, -4.096], den=[1.0, -3.0, 3.0, -1.0], dt=0.1)
     with pytest.raises(zoh.SpecError, match="two integrators at most"):
         plan(zoh.verify(plant, triple))
-
-
-def test_a_plan_is_made_in_well_under_a_second():
-    from time import perf_counter
-
-    start = perf_counter()
-    made("notched", "q31", rate=100.0, u_max=11.5)
-    assert perf_counter() - start < 1.0
 
 
 def test_a_design_on_a_table_is_verified_again_on_the_table():
