@@ -134,3 +134,14 @@ def test_the_clocks_of_a_p_that_was_chosen_ask_for_no_margin_but_the_required_on
     assert any(row.dt < 0.1 and row.failure is None for row in rows)
     turned = [row.pm_deg - row.hold_deg for row in rows if row.dt <= 0.2]
     assert max(turned) - min(turned) < 0.01  # deg: the images' share at wc dt = 0.16
+
+
+def test_what_a_choice_assumed_is_asked_of_every_clock(good):
+    from zoh.app.explain import explain_all
+    from zoh.app.project import read
+
+    chosen = good.replace("wc = 0.8\npm_deg = 40\n", "")
+    (silent,) = explain_all(read(chosen))
+    (asking,) = explain_all(read(chosen + "[requirements]\npm_deg = 45\nms = 1.7\n"))
+    assert silent.entry.measured.choice.assumed
+    assert silent.clocks.largest == asking.clocks.largest

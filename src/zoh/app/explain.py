@@ -75,7 +75,7 @@ def _explained(project: Project, asked: Request | Given, entry: Entry) -> Explai
         entry=entry,
         budget=found,
         prices=() if model is None else _prices(project, model, asked),
-        clocks=None if model is None else _clocks(project, model, asked),
+        clocks=None if model is None else _clocks(project, model, asked, entry),
         reasons=tuple(_reasons(project, entry, found)),
     )
 
@@ -118,11 +118,16 @@ def _prices(project: Project, of: Priceable, asked: Request | Given) -> tuple[Em
     )  # fmt: skip
 
 
-def _clocks(project: Project, of: Priceable, asked: Request | Given) -> SampleTimes:
-    """Return what clocks from eight times as fast to as slow as wc allows would cost."""
-    slowest = pi / of.parameters["wc"]
+def _clocks(project: Project, of: Priceable, asked: Request | Given, entry: Entry) -> SampleTimes:
+    """Return what clocks from eight times as fast to as slow as wc allows would cost.
+
+    What a choice assumed, where nothing was asked, is asked of every clock.
+    """
+    slowest, found = pi / of.parameters["wc"], entry.measured
+    assumed = isinstance(found, Measured) and found.choice is not None
     return sample_times(
-        of.plant, of.law, of.parameters, requirements=project.requirements,
+        of.plant, of.law, of.parameters,
+        requirements=found.requirements if found and assumed else project.requirements,
         compute_delay=project.compute_delay, sections=_sections(asked), reference=project.reference,
         dts=[project.dt * 2.0**k for k in range(-3, 7) if project.dt * 2.0**k < slowest],
     )  # fmt: skip
