@@ -16,8 +16,9 @@ def begun(monkeypatch, tmp_path):
     commands, mark = [], tmp_path / "mark"
     code = {"code": 0}
 
-    def run(command, check):
+    def run(command, check, stderr):
         assert not check
+        assert stderr == first_use.subprocess.DEVNULL  # one line says that it failed
         commands.append(command)
         return CompletedProcess(command, code["code"])
 
@@ -28,33 +29,31 @@ def begun(monkeypatch, tmp_path):
     first_use.ready.cache_clear()
 
 
-def test_another_process_compiles_once(begun, capsys):
+def test_another_process_compiles_once(begun, caplog):
     commands, _, _ = begun
     first_use.ready()
     first_use.ready()
     assert len(commands) == 1
     assert commands[0][:2] == [sys.executable, "-c"]
     assert "compile_and_mark" in commands[0][2]
-    said = capsys.readouterr()
-    assert not said.out
-    assert said.err.splitlines() == [
+    assert caplog.messages == [
         "zoh: compiling the fast arithmetic, once: a minute or two ...", "zoh: compiled",
     ]  # fmt: skip
 
 
-def test_what_is_kept_is_not_compiled_again(begun, capsys):
+def test_what_is_kept_is_not_compiled_again(begun, caplog):
     commands, mark, _ = begun
     mark.touch()
     first_use.ready()
     assert not commands
-    assert not capsys.readouterr().err
+    assert not caplog.messages
 
 
-def test_where_that_process_fails_this_one_goes_on(begun, capsys):
+def test_where_that_process_fails_this_one_goes_on(begun, caplog):
     _, _, code = begun
     code["code"] = 1
     first_use.ready()
-    assert capsys.readouterr().err.splitlines()[-1] == "zoh: compiling here instead"
+    assert caplog.messages[-1] == "zoh: compiling here instead"
 
 
 def test_a_way_is_made_ready_before_it_runs(monkeypatch):
