@@ -19,7 +19,7 @@ from zoh.firmware.lines import NUMBERS, Coefficient, Number, Program
 from zoh.firmware.ranges import Ranges
 from zoh.lti.frequency_response import FrequencyResponse
 
-_FINE = 100  # steps a sample: what is lost of a rate by whole ones is 1 % at most
+_LOST_PCT = 1.0  # of a rate: more that whole steps take from it is said
 _SAME_DEG = 0.01  # losses this near to each other do not decide between realisations
 
 
@@ -182,10 +182,9 @@ def _slower(made: Built) -> tuple[str, ...]:
     if change is None or not form.whole:
         return ()
     steps = floor(change / form.u_unit)
-    if steps > _FINE:
-        return ()
-    lost = 100 * (1 - steps * form.u_unit / change)
-    return (f"rate: {steps} steps a sample, {float(lost):.2g} % less than asked",)
+    lost = float(100 * (1 - steps * form.u_unit / change))
+    said = f"rate: {steps} steps a sample, {lost:.2g} % less than asked"
+    return (said,) if lost > _LOST_PCT else ()
 
 
 def _plant_of(design: Design) -> list[object]:
