@@ -7,6 +7,14 @@ import zoh
 from zoh.app.sweep_options import declare
 
 BAD_INPUT = 2
+_HELP = {
+    "paper": "the robot arm of the paper, every printed number beside the recomputed one",
+    "design": "design, verify and compare the controllers of a file",
+    "check": "measure given controllers against requirements and claims",
+    "explain": "where each margin's degrees went, and what designing in s would have cost",
+    "sweep": "a design over a grid or a random sample",
+    "export": "firmware that is the controller, bit for bit",
+}
 
 
 def one_line(text: str) -> str:
@@ -36,36 +44,11 @@ def parser() -> ArgumentParser:
     )
     whole.add_argument("--version", action="version", version=f"zoh {zoh.__version__}")
     commands = whole.add_subparsers(metavar="COMMAND", required=True)
-    paper = commands.add_parser(
-        "paper",
-        help="the robot arm of the paper, every printed number beside the recomputed one",
-        allow_abbrev=False,
-    )
-    paper.set_defaults(run="paper")
-    design = commands.add_parser(
-        "design", help="design, verify and compare the controllers of a file", allow_abbrev=False
-    )
-    design.set_defaults(run="design")
-    check = commands.add_parser(
-        "check",
-        help="measure given controllers against requirements and claims",
-        allow_abbrev=False,
-    )
-    check.set_defaults(run="check")
-    explain = commands.add_parser(
-        "explain",
-        help="where each margin's degrees went, and what designing in s would have cost",
-        allow_abbrev=False,
-    )
-    explain.set_defaults(run="explain")
-    sweep = commands.add_parser(
-        "sweep", help="a design over a grid or a random sample", allow_abbrev=False
-    )
-    sweep.set_defaults(run="sweep")
-    export = commands.add_parser(
-        "export", help="firmware that is the controller, bit for bit", allow_abbrev=False
-    )
-    export.set_defaults(run="export")
+    made = {}
+    for name, does in _HELP.items():
+        made[name] = commands.add_parser(name, help=does, allow_abbrev=False)
+        made[name].set_defaults(run=name)
+    paper, design, check, explain, sweep, export = made.values()
     export.add_argument("--target", choices=("c",), required=True, help="C99 that is C++17, too")
     export.add_argument("--controller", metavar="NAME", help="this one alone")
     export.add_argument("--number", choices=("f32", "f64", "q31", "q15", "auto"), default="f32")
@@ -80,6 +63,6 @@ def parser() -> ArgumentParser:
     for command in (paper, design, explain, export):
         command.add_argument("--force", action="store_true", help="let --out replace files")
     declare(sweep)
-    for command in (paper, design, check, explain, sweep, export):
+    for command in made.values():
         command.add_argument("--json", action="store_true", help="print one JSON object")
     return whole
