@@ -89,11 +89,11 @@ def highest(motion: Motion, sign: Array, size: Array, seen: Seen, passed: Passed
     for side, best, raised in (
         (1.0, seen.most, np.maximum), (-1.0, seen.least, np.minimum),
     ):  # fmt: skip
-        crests = joined(passed.of_u[side], side * best - BELOW * np.abs(best))
+        crests = _joined(passed.of_u[side], side * best - BELOW * np.abs(best))
         part = _part(motion, side * motion.effort, size, crests)
         _, z = _crest(part, crests)
         raised.at(best, crests.who, side * part.y(part.after(z)))
-    crests = joined(passed.of_y, seen.top - BELOW * size)
+    crests = _joined(passed.of_y, seen.top - BELOW * size)
     part = _part(motion, sign * motion.output, size, crests)
     k, z = _crest(part, crests)
     after = part.after(z)
@@ -107,7 +107,7 @@ def highest(motion: Motion, sign: Array, size: Array, seen: Seen, passed: Passed
 def outside(motion: Motion, sign: Array, size: Array, seen: Seen, passed: Passed) -> None:
     """Move the last sample outside the band to where a crest left it for less than a stride."""
     for side in (1.0, -1.0):
-        crests = joined(passed.of_band[side], np.zeros(len(size)))
+        crests = _joined(passed.of_band[side], np.zeros(len(size)))
         crests = crests.only(crests.end > seen.k_out[crests.who])
         part = _part(motion, side * sign * motion.output, side * size, crests)
         k, z = _crest(part, crests)
@@ -117,7 +117,7 @@ def outside(motion: Motion, sign: Array, size: Array, seen: Seen, passed: Passed
         np.maximum.at(seen.k_out, crests.who[left], k)
 
 
-def joined(found: list[Crests], above: Array) -> Crests:
+def _joined(found: list[Crests], above: Array) -> Crests:
     """Return all of these whose sample is above what is given of its loop."""
     none = Crests(who=np.zeros(0, np.intp), start=np.zeros(0), end=np.zeros(0), height=np.zeros(0))
     every = [none, *found]
