@@ -29,31 +29,33 @@ def begun(monkeypatch, tmp_path):
     first_use.ready.cache_clear()
 
 
-def test_another_process_compiles_once(begun, caplog):
+def test_another_process_compiles_once(begun, capsys):
     commands, _, _ = begun
     first_use.ready()
     first_use.ready()
     assert len(commands) == 1
     assert commands[0][:2] == [sys.executable, "-c"]
     assert "compile_and_mark" in commands[0][2]
-    assert caplog.messages == [
+    said = capsys.readouterr()
+    assert not said.out
+    assert said.err.splitlines() == [
         "zoh: compiling the fast arithmetic, once: a minute or two ...", "zoh: compiled",
     ]  # fmt: skip
 
 
-def test_what_is_kept_is_not_compiled_again(begun, caplog):
+def test_what_is_kept_is_not_compiled_again(begun, capsys):
     commands, mark, _ = begun
     mark.touch()
     first_use.ready()
     assert not commands
-    assert not caplog.messages
+    assert not capsys.readouterr().err
 
 
-def test_where_that_process_fails_this_one_goes_on(begun, caplog):
+def test_where_that_process_fails_this_one_goes_on(begun, capsys):
     _, _, code = begun
     code["code"] = 1
     first_use.ready()
-    assert caplog.messages[-1] == "zoh: compiling here instead"
+    assert capsys.readouterr().err.splitlines()[-1] == "zoh: compiling here instead"
 
 
 def test_a_way_is_made_ready_before_it_runs(monkeypatch):

@@ -7,7 +7,6 @@ so another one compiles, writes to numba's folder, leaves a mark there, and ends
 import subprocess
 import sys
 from functools import cache
-from logging import getLogger
 from pathlib import Path
 from typing import Any, cast
 
@@ -27,10 +26,9 @@ def ready() -> None:
     """Return once the arithmetic is compiled, and say that it is; or leave it to its first call."""
     if _mark().exists():
         return
-    say = getLogger("zoh").warning  # on stderr, unless somebody who listens to it has other plans
-    say("zoh: compiling the fast arithmetic, once: a minute or two ...")
+    sys.stderr.write("zoh: compiling the fast arithmetic, once: a minute or two ...\n")
     done = subprocess.run([sys.executable, "-c", _COMMAND], check=False, stderr=subprocess.DEVNULL)
-    say("zoh: compiled" if done.returncode == 0 else "zoh: compiling here instead")
+    sys.stderr.write("zoh: compiled\n" if done.returncode == 0 else "zoh: compiling here instead\n")
 
 
 def compile_and_mark() -> None:
