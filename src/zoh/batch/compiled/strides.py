@@ -29,7 +29,7 @@ from zoh.batch.compiled.track import (
     move,
     take,
 )
-from zoh.batch.tolerances import BAND, CREST
+from zoh.batch.tolerances import BAND, BELOW, CREST
 
 
 @shared
@@ -58,7 +58,7 @@ def long_stride(
             take(block, i - 1, size, zs[FOUND])
             seen[K_OUT] = last(m.output, side * sign, (BAND + side) * full, ladder, level, zs,
                                before, here, size)  # fmt: skip
-        if y1 >= y2 and y1 > y and y1 > seen[TOP] - 0.02 * full:
+        if y1 >= y2 and y1 > y and y1 > seen[TOP] - BELOW * full:
             take(block, i - 2, size, zs[FOUND])
             lost = crest_of_y(
                 m, p, pieces, count, n, ladder, level, zs, seen, sign, start, here, size
@@ -67,7 +67,7 @@ def long_stride(
         if off1 >= off2 and off1 > side * (y - full) and off1 > CREST * BAND * full:
             take(block, i - 2, size, zs[FOUND])
             crest_of_band(m, ladder, level, zs, seen, sign, full, side, start, here, size)
-        near = 0.02 * abs(u1)
+        near = BELOW * abs(u1)
         if u1 >= u2 and u1 > u and u1 > seen[MOST_U] - near:
             take(block, i - 2, size, zs[FOUND])
             most = crest_of_u(m, ladder, level, zs, 1.0, start, here, size)
