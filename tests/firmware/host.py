@@ -51,7 +51,7 @@ class Host:
         self._state = ctypes.create_string_buffer(self.size + 16)
         self._state[self.size] = b"\xa5"  # what lies behind the state is not touched
         self._step = self._function("step", self._kind, 3)
-        self._track = self._function("track", None, 3)
+        self._track = self._function("track", None, 4)
         self._reset = self._function("reset", None, 1)
         self._function("init", None, 0)(self._state)
 
@@ -70,8 +70,8 @@ class Host:
     def step(self, r, y, ff=0):
         return self._step(self._state, r, y, ff)
 
-    def track(self, r, y, u):
-        self._track(self._state, r, y, u)
+    def track(self, r, y, ff, u):
+        self._track(self._state, r, y, ff, u)
 
     def reset(self, u0):
         self._reset(self._state, u0)

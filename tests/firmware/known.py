@@ -17,7 +17,7 @@ typedef struct {{ {members} }} pi_state;
 void pi_init(pi_state *s);
 void pi_reset(pi_state *s, {kind} u0);
 {kind} pi_step(pi_state *s, {kind} r, {kind} y, {kind} ff);
-void pi_track(pi_state *s, {kind} r, {kind} y, {kind} u_manual);
+void pi_track(pi_state *s, {kind} r, {kind} y, {kind} ff, {kind} u_manual);
 int32_t pi_selftest(void);
 """
 FLOAT = """\
@@ -39,9 +39,10 @@ float pi_step(pi_state *s, float r, float y, float ff)
     if (((u + i) - (u + i)) >= 0.0f) { s->i = i; s->u = u; } else { s->faults++; }
     return s->u;
 }
-void pi_track(pi_state *s, float r, float y, float u_manual)
+void pi_track(pi_state *s, float r, float y, float ff, float u_manual)
 {
-    float i = u_manual - kp * (r - y);
+    float law = u_manual - ff;
+    float i = law - kp * (r - y);
     if ((i - i) >= 0.0f) { s->i = i; s->u = u_manual; } else { s->faults++; }
 }
 int32_t pi_selftest(void)
@@ -64,9 +65,9 @@ int16_t pi_step(pi_state *s, int16_t r, int16_t y, int16_t ff)
     s->i = held(s->i + ki * e);
     return (int16_t)(u > 32767 ? 32767 : u < -32768 ? -32768 : u);
 }
-void pi_track(pi_state *s, int16_t r, int16_t y, int16_t u_manual)
+void pi_track(pi_state *s, int16_t r, int16_t y, int16_t ff, int16_t u_manual)
 {
-    s->i = held(u_manual * 256 - kp * (r - y));
+    s->i = held((u_manual - ff) * 256 - kp * (r - y));
 }
 int32_t pi_selftest(void)
 {
@@ -102,9 +103,10 @@ class FloatModel:
                 self.faults += 1
         return self.u
 
-    def track(self, r, y, u_manual):
+    def track(self, r, y, ff, u_manual):
         with np.errstate(all="ignore"):
-            i = np.float32(u_manual) - self.kp * (np.float32(r) - np.float32(y))
+            law = np.float32(u_manual) - np.float32(ff)
+            i = law - self.kp * (np.float32(r) - np.float32(y))
             if isfinite(i):
                 self.i, self.u = i, np.float32(u_manual)
             else:
@@ -129,8 +131,8 @@ class WholeModel:
         self.i = _held(self.i + 13 * e)
         return min(32767, max(-32768, u))
 
-    def track(self, r, y, u_manual):
-        self.i = _held(int(u_manual) * 256 - 90 * (int(r) - int(y)))
+    def track(self, r, y, ff, u_manual):
+        self.i = _held((int(u_manual) - int(ff)) * 256 - 90 * (int(r) - int(y)))
 
     def state_bytes(self):
         return struct.pack("<i", self.i)

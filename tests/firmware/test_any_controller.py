@@ -67,8 +67,8 @@ def test_the_c_is_the_model(controller, number, limit, rate, anti_windup, realis
     model, host = Model(made), Host(made)
     for k, sample in enumerate(hostile(made, 500, start)):
         if k % 97 == 50:
-            model.track(*sample)
-            host.track(*sample)
+            model.track(*sample, sample[0])
+            host.track(*sample, sample[0])
         assert host.bits(model.step(*sample)) == host.bits(host.step(*sample))
     assert model.state_bytes() == host.state_bytes()
     assert host.selftest() == 0

@@ -49,8 +49,8 @@ def differing(model, host, samples):
     count = 0
     for k, sample in enumerate(samples):
         if k % 997 == 500:
-            model.track(*sample)
-            host.track(*sample)
+            model.track(*sample, sample[1])
+            host.track(*sample, sample[1])
         if k % 4999 == 4000:
             model.reset(sample[0])
             host.reset(sample[0])

@@ -48,7 +48,7 @@ def test_hand_written_controllers_are_their_models_on_every_core(subject):
 def test_numbers_worked_out_by_hand(tmp_path):
     # e = 256, 0, -2: u = (90 e + i)/256 rounded down, + ff, then i grows by 13 e
     subject = whole_pi()
-    given = np.array([[0, 0, 0], [256, 0, 5], [7, 7, 0], [1, 3, -1]], "<i2")
+    given = np.array([[0, 0, 0, 0], [256, 0, 5, 0], [7, 7, 0, 0], [1, 3, -1, 0]], "<i2")
     trial = Trial(title="hand", what=np.array([INIT, STEP, STEP, STEP], np.uint8), given=given)
     wanted = [0, 90 + 5, 3328 // 256, (3328 - 180) // 256 - 1]
     sources = {**subject.sources, "driver.c": harness.driver("pi", "q15")}

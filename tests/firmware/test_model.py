@@ -9,6 +9,8 @@ from math import inf, isnan, nan
 import mpmath
 import pytest
 from designs import LAWS, design, made
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import zoh
 from zoh.firmware.levels import levelled
@@ -182,16 +184,38 @@ def test_after_track_the_same_inputs_give_the_manual_output(law, number, realisa
         assert realisation != "auto"
         return
     top = 1.0 if number in ("f32", "f64") else 2.0 ** (15 if number == "q15" else 31) / 12
-    r, y, u = (int(x * top) if top > 1 else x for x in (0.02, 0.01, 3.0))
+    r, y, ff, u = (int(x * top) if top > 1 else x for x in (0.02, 0.01, -1.0, 3.0))
     for _ in range(3):
-        model.track(r, y, u)
-    found = float(model.step(r, y))
+        model.track(r, y, ff, u)
+    found = float(model.step(r, y, ff))
     if model.plan.realisation == "pid" and "x" not in model.state:
         # a law without an integral has nothing that could hold u: its filters are at rest
         kp = next(c for c in model.plan.coefficients if c.name == "kp")
-        u = float(kp.value) / (1 << kp.point) * (r - y)
+        u = float(kp.value) / (1 << kp.point) * (r - y) + ff
     # a step of u, or its last bits times what the sums are larger by
     assert abs(found - u) <= {"f64": 1e-12, "f32": 1e-4}.get(number, 1)
+
+
+@settings(max_examples=300)
+@given(
+    what=st.sampled_from([
+        ("pi", "pid", {}), ("pid_filtered", "pid", {}), ("pid", "cascade", {}),
+        ("pid_filtered", "delta", {}), ("notched", "cascade", {}), ("notched", "delta", {}),
+        ("pid_filtered", "pid", {"setpoint_weight": 0.3, "derivative_weight": 0.6, "rate": 5.0}),
+        ("pid_filtered", "pid", {"anti_windup": "back_calculation"}),
+        ("pid", "pid", {"anti_windup": "none"}),
+    ]),
+    number=st.sampled_from(["q15", "q31"]),
+    data=st.data(),
+)  # fmt: skip
+def test_a_hand_over_in_whole_numbers_is_exact_whatever_the_inputs(what, number, data):
+    law, realisation, options = what
+    model = Model(made(law, number, realisation=realisation, **options))
+    form = model.plan.format
+    of_the_format = st.integers(form.least, form.most) | st.sampled_from([form.least, form.most])
+    r, y, ff, u = (data.draw(of_the_format) for _ in range(4))
+    model.track(r, y, ff, u)
+    assert model.step(r, y, ff) == u
 
 
 @pytest.mark.parametrize("number", ["f32", "f64", "q31", "q15"])
@@ -224,7 +248,7 @@ def test_what_is_not_finite_is_not_used(law, number, bad):
         assert model.step(*sample) == u
         assert model.state == before
         assert model.faults == count
-    model.track(nan, 0.0, 1.0)
+    model.track(nan, 0.0, 0.0, 1.0)
     model.reset(nan)
     assert model.state == before
     assert model.faults == 5

@@ -27,10 +27,10 @@ int main(void)
     uint32_t n;
     if (fread(&n, 4, 1, stdin) != 1) return 2;
     uint8_t *what = malloc(n + 1);
-    %(kind)s *given = malloc(3 * n * sizeof *given), *out = malloc(n * sizeof *out);
+    %(kind)s *given = malloc(4 * n * sizeof *given), *out = malloc(n * sizeof *out);
     ctl_state *s = malloc(sizeof *s);
     if (fread(what, 1, n + 1, stdin) != n + 1) return 3;
-    if (fread(given, sizeof *given, 3 * n, stdin) != 3 * n) return 4;
+    if (fread(given, sizeof *given, 4 * n, stdin) != 4 * n) return 4;
     zoh_run(s, what, given, out);
     fwrite(out, sizeof *out, n, stdout);
     fwrite(s, 1, zoh_size(), stdout);

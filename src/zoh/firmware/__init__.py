@@ -15,7 +15,7 @@ int32_t or int16_t, as r, y and ff are::
     void    NAME_init(NAME_state *s);
     void    NAME_reset(NAME_state *s, u_t u0);
     u_t     NAME_step(NAME_state *s, u_t r, u_t y, u_t ff);
-    void    NAME_track(NAME_state *s, u_t r, u_t y, u_t u_manual);
+    void    NAME_track(NAME_state *s, u_t r, u_t y, u_t ff, u_t u_manual);
     int32_t NAME_selftest(void);              0, or the first sample that differs, counted from 1
 
 NAME_state has no padding: all its members have one size, in the order of ``plan.program.states``

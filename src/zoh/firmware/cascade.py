@@ -168,7 +168,7 @@ class CascadeStep(CascadeShape):
         return total
 
     def _track(self, book: Book) -> Routine:
-        """Write the states with which the same r and y, without ff, would give u_manual next."""
+        """Write the states with which the same r, y and ff would give u_manual next."""
         w, stores = Writer(), []
         u = bounded(w, book, self.features, "u_manual")
         x = w.sub("e", "r", "y", "error")
@@ -176,9 +176,10 @@ class CascadeStep(CascadeShape):
             y = self._settled(w, book, i, x)
             stores += self._held(w, book, i, x, y)
             x = y
-        stores += self._held(w, book, len(self.sections) - 1, x, u)
+        law = w.sub("law", u, "ff", "what the sections have to give")
+        stores += self._held(w, book, len(self.sections) - 1, x, law)
         return finished(
-            "track", ("r", "y", "u_manual"), w, stores, v=u, u=u, keeps_u=self.keeps_u,
+            "track", ("r", "y", "ff", "u_manual"), w, stores, v=u, u=u, keeps_u=self.keeps_u,
             form=self.format,
         )  # fmt: skip
 

@@ -171,12 +171,12 @@ def _differences(
 
 def _in_the_loop(loop: Loop, machine: Machine, kind: "np.dtype[Any]") -> Outcome:
     """Return the trajectory that the plant in Python and a machine's controller make together."""
-    one = Trial(title="one", what=np.array([INIT], np.uint8), given=np.zeros((1, 3), kind))
+    one = Trial(title="one", what=np.array([INIT], np.uint8), given=np.zeros((1, 4), kind))
     machine.run(one)
     one.what[0] = STEP
 
     def answer(given: NDArray[Any]) -> Any:
-        one.given[0] = given
+        one.given[0, :3] = given
         return machine.run(one).outputs[0]
 
     return Outcome(outputs=loop.trajectory(answer), state=machine.state)

@@ -20,11 +20,11 @@ def driver(name: str, number: Number) -> str:
         f'#include "{name}.h"\n\nuint32_t {SIZE}(void);\n{head};\n\n'
         f"uint32_t {SIZE}(void) {{ return (uint32_t)sizeof({name}_state); }}\n\n"
         f"{head}\n{{\n"
-        f"    for (; *what != {END}; what++, out++, given += 3) {{\n"
+        f"    for (; *what != {END}; what++, out++, given += 4) {{\n"
         "        *out = 0;\n"
         f"        if (*what == {STEP}) *out = {name}_step(s, given[0], given[1], given[2]);\n"
-        f"        else if (*what == {TRACK}) {name}_track(s, given[0], given[1], given[2]);\n"
-        f"        else if (*what == {RESET}) {name}_reset(s, given[2]);\n"
+        f"        else if (*what == {TRACK}) {name}_track(s, given[0], given[1], given[2], given[3]);\n"
+        f"        else if (*what == {RESET}) {name}_reset(s, given[3]);\n"
         f"        else {name}_init(s);\n"
         "    }\n}\n"
     )

@@ -43,7 +43,7 @@ def header(plan: Plan, costs: Sequence[Cost]) -> str:
         f"void {name}_init({name}_state *s);\n"
         f"void {name}_reset({name}_state *s, {kind} u0);\n"
         f"{kind} {name}_step({name}_state *s, {kind} r, {kind} y, {kind} ff);\n"
-        f"void {name}_track({name}_state *s, {kind} r, {kind} y, {kind} u_manual);\n"
+        f"void {name}_track({name}_state *s, {kind} r, {kind} y, {kind} ff, {kind} u_manual);\n"
         f"int32_t {name}_selftest(void);\n\n"
         f"#ifdef __cplusplus\n}}\n#endif\n\n#endif\n"
     )
@@ -150,8 +150,7 @@ def _use(plan: Plan) -> list[str]:
     n = plan.name
     return [
         f"use      {n}_init once; {n}_step every dt with reference, measurement and a feed-",
-        f"         forward, 0 where there is none; {n}_track instead while another sets u,",
-        "         which is given less the feed-forward that the next step adds;",
+        f"         forward, 0 where there is none; {n}_track instead while another sets u;",
         f"         {n}_selftest is 0 if compiler and processor compute what was verified",
     ]
 

@@ -84,9 +84,9 @@ class Model:
         """Return the output after one sample."""
         return self._run(self._program.step, (r, y, ff))
 
-    def track(self, r: float, y: float, u_manual: float) -> None:
-        """Follow an output that somebody else sets."""
-        self._run(self._program.track, (r, y, u_manual))
+    def track(self, r: float, y: float, ff: float, u_manual: float) -> None:
+        """Follow an output that somebody else sets: the same r, y and ff give it next."""
+        self._run(self._program.track, (r, y, ff, u_manual))
 
     def state_bytes(self) -> bytes:
         """Return the C struct's bytes, little endian; it has no padding."""

@@ -20,7 +20,7 @@ from zoh.firmware.lines import ZERO, Program, Routine, Writer
 from zoh.firmware.pid_shape import PidShape
 from zoh.firmware.realise import Filter
 
-_STEP, _TRACK, _RESET = ("r", "y", "ff"), ("r", "y", "u_manual"), ("u0",)
+_STEP, _TRACK, _RESET = ("r", "y", "ff"), ("r", "y", "ff", "u_manual"), ("u0",)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -154,12 +154,12 @@ class PidStep(PidShape):
         return w.atleast("x_new", w.atmost("x_top", x, most), least, "the integral in its range")
 
     def _track(self, book: Book) -> Routine:
-        """Write the states with which the same r and y, without ff, would give u_manual next."""
+        """Write the states with which the same r, y and ff would give u_manual next."""
         w, stores = Writer(), []
         u = bounded(w, book, self.features, "u_manual")
         e = w.sub("e", "r", "y", "error")
         if self.law.ki:
-            x = self._left(w, book, self._p(w, book, e), u)
+            x = self._left(w, self._p(w, book, e), u)
             stores.append(("x", self._up(w, book, "x_new", x, "integral")))
             stores += [("x_rest", ZERO)] if self.ki_finer else []
         seen = self._weighted(w, book, e)
@@ -173,17 +173,12 @@ class PidStep(PidShape):
             "track", _TRACK, w, stores, v=u, u=u, keeps_u=self.keeps_u, form=self.format
         )
 
-    def _left(self, w: Writer, book: Book, p: str | None, u: str) -> str:
+    def _left(self, w: Writer, p: str | None, u: str) -> str:
         """Write what the proportional part leaves of u to the integral, in steps of u."""
         if p and self.points["u"]:
             p = w.down("p_u", w.add("p_half", p, "half", "", "u"), self.points["u"], "in steps")
-        x = w.sub("x_left", u, p, "what is left to the integral") if p else u
-        if not self.whole:
-            return x
-        low, high = self.x_range()
-        most = book.fixed("i_max", high, "upper end of the integral in steps of u")
-        least = book.fixed("i_min", low, "lower end of the integral in steps of u")
-        return w.atleast("x_in", w.atmost("x_below", x, most), least, "in its range")
+        law = w.sub("law", u, "ff", "what the law has to give")
+        return w.sub("x_left", law, p, "what is left to the integral") if p else law
 
     def _reset(self, book: Book) -> Routine:
         w, stores = Writer(), []

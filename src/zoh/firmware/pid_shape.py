@@ -111,10 +111,13 @@ class PidShape:
         return least << point, ((most + 1) << point) - 1
 
     def x_range(self) -> tuple[int, int]:
-        """Return the bounds of the integral in steps of u: what u and its other parts leave it."""
+        """Return the bounds of the integral in steps of u: any u less any ff and any kr r - kp y.
+
+        So wide that ``track`` can hold every output under every r and y.
+        """
         law, f = self.law, self.format
-        rest = abs(1 - self.features.r_weight) * abs(law.kp - law.ki / 2) * f.gain * -f.least
-        pad = ceil(rest) - f.least
+        on_r = (law.kp - law.ki / 2) * self.features.r_weight + law.ki / 2
+        pad = ceil((abs(on_r) + abs(law.kp)) * f.gain * -f.least) - f.least
         return f.least - pad, f.most + pad
 
     def x_ends(self) -> tuple[int, int]:

@@ -33,9 +33,8 @@ void every_dt(void) /* the timer's interrupt, every {dt:.9g} s */
 
 Measure, step and put the output out in this order: the design counts {delay:.9g} s from measuring
 to putting out. While a person or another program sets the output, call
-`{name}_track(&controller, r, y, u)` in the place of the step, every sample, and the step that
-follows takes over without a jump; where a feed-forward is used, give it u less that, for the step
-adds it. `{name}_reset(&controller, u)` sets it to rest at u. One state
+`{name}_track(&controller, r, y, ff, u)` in the place of the step, every sample, and the step that
+follows takes over without a jump. `{name}_reset(&controller, u)` sets it to rest at u. One state
 per loop; there is nothing else that is kept.
 
 `*_arduino.ino` and `*_stm32.c` do the same on a board, what must be fitted to it marked YOURS; they

@@ -36,7 +36,7 @@ def selftest(plan: Plan) -> str:
         f"    for (k = 0; k < {n}; k++) {{\n"
         f"        {kind} got;\n"
         f"        if (k == {n - 1}) {{\n"
-        f"            {name}_track(&s, r[k], y[k], u[0]);\n"
+        f"            {name}_track(&s, r[k], y[k], ff[k], u[0]);\n"
         "        }\n"
         f"        got = {name}_step(&s, r[k], y[k], ff[k]);\n"
         "        if ((first == 0) && ((got < u[k]) || (got > u[k]))) {\n"
@@ -60,7 +60,7 @@ def _replayed(plan: Plan) -> tuple[list[Sample], list[float], int]:
     outputs: list[float] = []
     for k, sample in enumerate(samples):
         if k == len(samples) - 1:
-            model.track(sample[0], sample[1], outputs[0])
+            model.track(*sample, outputs[0])
         outputs.append(model.step(*sample))
     return samples, outputs, model.faults
 

@@ -30,8 +30,8 @@ class Controller(Protocol):
     def step(self, r: float, y: float, ff: float = 0) -> Any:
         """Return u."""
 
-    def track(self, r: float, y: float, u_manual: float) -> None:
-        """Follow u_manual."""
+    def track(self, r: float, y: float, ff: float, u_manual: float) -> None:
+        """Follow u_manual: the same r, y and ff give it next."""
 
     def state_bytes(self) -> bytes:
         """Return the state as the C has it."""
@@ -39,7 +39,7 @@ class Controller(Protocol):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Trial:
-    """Samples: ``what`` is asked (a code of the harness) with ``given`` = (r, y, ff or u).
+    """Samples: ``what`` is asked (a code of the harness) with ``given`` = (r, y, ff, u).
 
     counted  whether the instructions of this trial are counted, which makes it slower
     """
@@ -75,14 +75,14 @@ def trials(number: Number, hostile: Sequence[Sample]) -> tuple[Trial, ...]:
     made = [_steps("hostile", number, part, counted=i == 0) for i, part in enumerate(parts)]
     edges = list(product(_edges(number), repeat=3))
     chance = np.random.PCG64(6)  # its raw numbers are the same in every version of NumPy
-    bits = chance.random_raw(3 * _LENGTH).astype(np.uint64).reshape(-1, 3)
+    bits = chance.random_raw(4 * _LENGTH).astype(np.uint64).reshape(-1, 4)
     size = np.dtype(TYPES[number]).itemsize
     any_bits = bits.astype(f"<u{size}").view(TYPES[number])
     between = [edge for pair in zip(edges, hostile, strict=False) for edge in pair]
     return (
         *made,
         _steps("edges", number, between),
-        _steps("any bits", number, any_bits),
+        _steps("any bits", number, any_bits[:, :3]),
         _handed_over(number, any_bits, hostile),
     )
 
@@ -91,13 +91,13 @@ def run(trial: Trial, begin: Callable[[], Controller]) -> Outcome:
     """Return what a controller in Python answers; ``begin`` makes one that has just been set up."""
     model = begin()
     outputs = np.zeros(trial.samples, trial.given.dtype)
-    for k, (what, (a, b, c)) in enumerate(zip(trial.what.tolist(), trial.given, strict=True)):
+    for k, (what, (r, y, ff, u)) in enumerate(zip(trial.what.tolist(), trial.given, strict=True)):
         if what == STEP:
-            outputs[k] = model.step(a, b, c)
+            outputs[k] = model.step(r, y, ff)
         elif what == TRACK:
-            model.track(a, b, c)
+            model.track(r, y, ff, u)
         elif what == RESET:
-            model.reset(c)
+            model.reset(u)
         else:
             model = begin()
     return Outcome(outputs=outputs, state=model.state_bytes())
@@ -123,8 +123,8 @@ def differences(
 
 
 def _steps(title: str, number: Number, samples: Any, *, counted: bool = True) -> Trial:
-    given = np.zeros((len(samples) + 1, 3), TYPES[number])
-    given[1:] = samples
+    given = np.zeros((len(samples) + 1, 4), TYPES[number])
+    given[1:, :3] = samples
     what = np.full(len(given), STEP, np.uint8)
     what[0] = INIT
     return Trial(title=title, counted=counted, what=what, given=given)
@@ -133,6 +133,7 @@ def _steps(title: str, number: Number, samples: Any, *, counted: bool = True) ->
 def _handed_over(number: Number, any_bits: NDArray[Any], hostile: Sequence[Sample]) -> Trial:
     """Return steps between which a hand takes over, lets go, or sets the controller to rest."""
     trial = _steps("handed over", number, hostile[:_LENGTH])
+    trial.given[:, 3] = np.roll(trial.given[:, 0], 1)  # a hand that was where the reference is
     k = np.arange(trial.samples)
     trial.what[(k % 97 > 80) & (k % 7 < 5)] = TRACK
     trial.what[k % 211 == 210] = RESET
