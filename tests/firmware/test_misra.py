@@ -20,7 +20,7 @@ DEVIATIONS = (
     # the shift that makes floor of a whole number: its meaning is asserted when it is compiled
     (FLOOR[0], re.escape(FLOOR[1])),
     # what that shift leaves, masked as unsigned: below 2^31, so that the cast keeps it
-    ("misra-c2012-10.8", r"const int32_t \w+ = \(int32_t\)\(\(uint64_t\)\w+ & \d+ULL\);.*"),
+    ("misra-c2012-10.8", r"const int32_t \w+ = \(int32_t\)\(\(uint\d\d_t\)\w+ & \d+U(LL)?\);.*"),
     # the least number of 32 bits is written as the negative of one that has more
     ("misra-c2012-10.3", r"static const int32_t \w+ = -2147483648;.*"),
     # a limit at the end of its type takes nothing away

@@ -44,12 +44,13 @@ def test_the_controller_is_valid_cpp_17_with_strict_warnings(number, tmp_path):
     toolchain.run_zig((*M4, *PLAIN, "-std=c++17", *cpp, "-x", "c++", "ctl.c"), tmp_path)
 
 
-def _converted(tmp_path, number, what, argument, result):
+def _converted(tmp_path, number, what, argument, result, **options):
     """Return a conversion of the STM32 example, compiled for this machine."""
-    text = export(made("pid", number))["ctl_stm32.c"]
+    text = export(made("pid", number, **options))["ctl_stm32.c"]
     start = text.index("/* YOURS: ", text.index("static ctl_state"))
-    functions = text[start : text.index("/* Call this once")].replace("static ", "", 9)
-    functions = functions.replace("const float UNITS", "static const float UNITS")
+    functions = text[start : text.index("/* Call this once")]
+    for name in ("measured", "driven"):
+        functions = re.sub(rf"static (\w+ {name}\()", r"\1", functions)
     toolchain.written(tmp_path, {})
     library = toolchain.for_host("O2", {"made.c": f"#include <stdint.h>\n{functions}"}, tmp_path)
     found = getattr(ctypes.CDLL(str(library)), what)
@@ -64,7 +65,22 @@ def test_the_ends_of_a_converter_are_the_ends_of_the_range(tmp_path):
     u = _converted(tmp_path / "u", "q15", "driven", ctypes.c_int16, ctypes.c_int32)
     assert [u(c) for c in (-32768, 0, 16, 32767)] == [0, 2048, 2049, 4095]
     volts = _converted(tmp_path / "v", "f32", "driven", ctypes.c_float, ctypes.c_int32)
-    assert [volts(c) for c in (-12.0, -13.0, 12.0, 13.0, 0.0)] == [0, 0, 4095, 4095, 2047]
+    assert [volts(c) for c in (-12.0, -13.0, 12.0, 13.0, 0.0)] == [0, 0, 4095, 4095, 2048]
+    read = _converted(tmp_path / "r", "f32", "measured", ctypes.c_int32, ctypes.c_float)
+    assert [read(c) for c in (0, 1024, 2048, 4096)] == [-12.0, -6.0, 0.0, 12.0]
+
+
+@pytest.mark.parametrize(
+    ("number", "held"), [("q15", ctypes.c_int16), ("q31", ctypes.c_int32)], ids=["q15", "q31"]
+)
+def test_one_sided_ranges_and_limits_are_what_the_converters_span(number, held, tmp_path):
+    # y of 0 to 10 and u of 0 to 5: the middle of a converter is the middle of each
+    ends = {"y_range": (0, 10), "u_min": 0.0, "u_max": 5.0, "u_range": (-10, 10)}
+    one = 1 << (15 if number == "q15" else 31)
+    y = _converted(tmp_path / "y", number, "measured", ctypes.c_int32, held, **ends)
+    assert [y(c) for c in (0, 2048, 3072)] == [0, one // 2, one * 3 // 4]
+    u = _converted(tmp_path / "u", number, "driven", held, ctypes.c_int32, **ends)
+    assert [u(c) for c in (0, one // 8, one // 4, one // 2)] == [0, 1024, 2048, 4095]
 
 
 def test_a_clock_that_no_counter_of_microseconds_keeps_has_no_examples():

@@ -37,6 +37,7 @@ class Plan:
     ranges       of every value, proved for all time; None for floats
     features     limits, anti-windup and weights
     format       the units of a step of y and of u
+    y_range      the ends of what is measured, as they were asked for; None where they were not
     said         why it is as it is, one sentence each
     """
 
@@ -50,6 +51,7 @@ class Plan:
     ranges: Ranges | None
     features: Features
     format: Format
+    y_range: tuple[float, float] | None
     said: tuple[str, ...]
 
     def __post_init__(self) -> None:
@@ -153,7 +155,7 @@ def _planned(request: Asked, number: Number, most: float, before: tuple[str, ...
     return Plan(
         name=request.name, number=number, realisation=chosen.realisation, dt=chosen.design.dt,
         design=chosen.design, quantised=chosen.quantised, program=chosen.program,
-        ranges=chosen.ranges, features=step.features, format=step.format,
+        ranges=chosen.ranges, features=step.features, format=step.format, y_range=request.y_range,
         said=(*before, why, *others, *_windup(chosen), *_slower(chosen)),
     )  # fmt: skip
 

@@ -19,8 +19,8 @@ LEVELS = ("O2", "Os")
 _DISTRIBUTIONS = {"elftools": "pyelftools"}
 # No -ffp-contract=off: that nothing is fused is the source's own promise, and is proved of it.
 _COMMON = ("-std=c99", "-g", "-fno-sanitize=all")
-_BARE = (
-    "-ffreestanding", "-ffunction-sections", "-fdata-sections",
+_BARE = (  # a frame pointer, which zig keeps and other compilers do not, is two instructions more
+    "-ffreestanding", "-ffunction-sections", "-fdata-sections", "-fomit-frame-pointer",
     "-fno-unwind-tables", "-fno-asynchronous-unwind-tables",
 )  # fmt: skip
 

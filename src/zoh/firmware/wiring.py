@@ -4,6 +4,8 @@ Both are examples that compile as they stand. What a board must be told, which p
 of a converter is which value, is marked in them. They keep time in whole microseconds.
 """
 
+from fractions import Fraction
+
 import numpy as np
 
 from zoh.firmware.book import IO_BITS
@@ -117,46 +119,71 @@ def _words(plan: Plan) -> dict[str, str]:
 
 
 def _measured(plan: Plan, bits: int, count: str) -> str:
-    """Return the C that makes r and y of a converter's count."""
-    kind, middle = result_type(plan.number), 1 << bits - 1
-    head = f"static {kind} measured({count} count)\n{{\n"
-    if plan.format.whole:
-        scale = 1 << IO_BITS[plan.number] - bits
-        ends = float(plan.format.y_unit) * (1 << IO_BITS[plan.number] - 1)
+    """Return the C that makes r and y of a converter's count: its step is a 2^bits-th of its span.
+
+    The ends are those of y_range, -1 and 1 where none was given.
+    """
+    kind, counts = result_type(plan.number), 1 << bits
+    low, high = plan.y_range or (-1.0, 1.0)
+    head = f"/* YOURS: what the controller compares at count 0 of the converter, and at {counts}"
+    function = f"static {kind} measured({count} count)\n{{\n"
+    if not plan.format.whole:
         return (
-            f"/* YOURS: 0 ... {2 * middle - 1} are -{ends:.6g} ... {ends:.6g} of what the "
-            "controller compares. */\n"
-            f"{head}    return ({kind})(((int32_t)count - {middle}) * {scale});\n}}\n"
+            f"{head}. */\n"
+            f"static const {kind} Y_LOW = {_number(plan, low)};\n"
+            f"static const {kind} Y_HIGH = {_number(plan, high)};\n\n"
+            f"{function}    return Y_LOW + (({kind})count * ((Y_HIGH - Y_LOW) / "
+            f"{_number(plan, counts)}));\n}}\n"
         )
+    wide, unit = _wide(plan), plan.format.y_unit
+    ends = [round(Fraction(end) / unit) for end in (low, high)]
     return (
-        f"/* YOURS: what the controller compares, per count of the converter from {middle}. */\n"
-        f"static const {kind} UNITS_PER_COUNT = {_number(plan, 1 / middle)};\n\n"
-        f"{head}    return UNITS_PER_COUNT * ({kind})(count - {middle});\n}}\n"
+        f"{head}, in steps of {float(unit):.6g}:\n * here {low:.6g} and {high:.6g}. */\n"
+        f"static const {wide} Y_LOW = {_whole(ends[0])};\n"
+        f"static const {wide} Y_HIGH = {_whole(ends[1])};\n\n"
+        f"{function}    return ({kind})(Y_LOW + ((({wide})count * (Y_HIGH - Y_LOW)) / {counts}));\n"
+        "}\n"
     )
 
 
 def _driven(plan: Plan, bits: int, count: str) -> str:
-    """Return the C that makes an output's count of u."""
+    """Return the C that makes an output's count of u, whose limits are the ends of the output."""
     kind, most = result_type(plan.number), (1 << bits) - 1
-    head = f"static {count} driven({kind} u)\n{{\n"
+    head = f"/* YOURS: the u that is 0 at the output, and the u that is {most}"
+    function = f"static {count} driven({kind} u)\n{{\n"
     if plan.format.whole:
-        steps = 1 << IO_BITS[plan.number] - bits
-        ends = float(plan.format.u_unit) * (1 << IO_BITS[plan.number] - 1)
+        wide, unit = _wide(plan), float(plan.format.u_unit)
+        low, high = (int(plan.program.value(name)) for name in ("u_min", "u_max"))
         return (
-            f"/* YOURS: -{ends:.6g} ... {ends:.6g} of u are 0 ... {most} of the output. */\n"
-            f"{head}    return ({count})(u / {steps}) + {1 << bits - 1};\n}}\n"
+            f"{head}, in steps of {unit:.6g}:\n * here {low * unit:.6g} and {high * unit:.6g}. */\n"
+            f"static const {wide} U_LOW = {_whole(low)};\n"
+            f"static const {wide} U_HIGH = {_whole(high)};\n\n"
+            f"{function}    const {wide} span = U_HIGH - U_LOW;\n"
+            f"    return ({count})((((({wide})u - U_LOW) * {most}) + (span / 2)) / span);\n"
+            "}\n"
         )
-    low, high = plan.features.u_min, plan.features.u_max
-    shut, full = -1.0 if low is None else float(low), 1.0 if high is None else float(high)
+    ends = (plan.features.u_min, plan.features.u_max)
+    shut, full = (d if e is None else float(e) for d, e in zip((-1.0, 1.0), ends, strict=True))
+    one, none, half = (_number(plan, x) for x in (1.0, 0.0, 0.5))
     return (
-        f"/* YOURS: the u that is 0 and the u that is {most} at the output. */\n"
+        f"{head}. */\n"
         f"static const {kind} U_LOW = {_number(plan, shut)};\n"
         f"static const {kind} U_HIGH = {_number(plan, full)};\n\n"
-        f"{head}    const {kind} share = (u - U_LOW) / (U_HIGH - U_LOW);\n"
-        f"    const {kind} kept = (share > {_number(plan, 1.0)}) ? {_number(plan, 1.0)} : share;\n"
-        f"    return (kept > {_number(plan, 0.0)}) ? ({count})(kept * {_number(plan, most)}) : 0;\n"
+        f"{function}    const {kind} share = (u - U_LOW) / (U_HIGH - U_LOW);\n"
+        f"    const {kind} kept = (share > {one}) ? {one} : share;\n"
+        f"    return (kept > {none}) ? ({count})((kept * {_number(plan, most)}) + {half}) : 0;\n"
         "}\n"
     )
+
+
+def _wide(plan: Plan) -> str:
+    """Return the C type that holds a number of the format times a converter's count."""
+    return "int32_t" if IO_BITS[plan.number] == 16 else "int64_t"
+
+
+def _whole(value: int) -> str:
+    """Return a whole number as C writes it; of more than 31 bits it has its suffix."""
+    return str(value) if abs(value) < 1 << 31 else f"{value}LL"
 
 
 def _number(plan: Plan, value: float) -> str:
