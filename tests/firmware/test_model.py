@@ -216,6 +216,19 @@ def test_a_hand_over_in_whole_numbers_is_exact_whatever_the_inputs(what, number,
     r, y, ff, u = (data.draw(of_the_format) for _ in range(4))
     model.track(r, y, ff, u)
     assert model.step(r, y, ff) == u
+    model.track(y, y, ff, u)  # without an error it stays, for there is an integrator
+    assert [model.step(y, y, ff) for _ in range(5)] == [u] * 5
+
+
+@pytest.mark.parametrize("number", ["q31", "q15"])
+@pytest.mark.parametrize("realisation", ["pid", "cascade", "delta"])
+def test_a_low_gain_holds_an_output_against_all_of_a_feed_forward(realisation, number):
+    ends = {"y_range": (-1, 1), "u_range": (-1, 1), "realisation": realisation}
+    model = simple([0.125, -0.0625], [1.0, -1.0], number=number, **ends)
+    least, most = model.plan.format.least, model.plan.format.most
+    for ff, u in ((least, most), (most, least)):
+        model.track(0, 0, ff, u)
+        assert [model.step(0, 0, ff) for _ in range(5)] == [u] * 5
 
 
 @pytest.mark.parametrize("number", ["f32", "f64", "q31", "q15"])

@@ -86,11 +86,11 @@ class CascadeShape:
         return self.sections[i].order == 2 and bool(b[2] or a[1])
 
     def most(self, i: int, k: int) -> int:
-        """Return the end of sum k: one and a half times what it can be at rest."""
+        """Return the end of sum k: half more than x asks at rest, and all that u less ff can."""
         b, a = self.taken(i)
         on_x, on_y = (b[0], Fraction(1)) if k == 1 else (b[1], a[0])
-        size = (2 * abs(on_x) + abs(on_y)) * -self.format.least
-        return ceil(size * 3 / 2 * (1 << self.points[f"section{i + 1}"]))
+        size = (3 * abs(on_x) + 2 * abs(on_y)) * -self.format.least
+        return ceil(size * (1 << self.points[f"section{i + 1}"]))
 
     def moved(self, group: str) -> Self | None:
         """Return the same with one binary point a bit lower; None where there is no bit left."""
