@@ -105,6 +105,19 @@ def test_the_robot_arm_in_every_number_keeps_its_margin(zoh_main, number):
         assert entry["number"] == ("q15" if number == "auto" else number)
 
 
+def test_a_table_without_ranges_is_no_reason_against_floats(zoh_main):
+    # a table has no step that could say what whole numbers must span
+    table = EXAMPLES / "buck_converter_measured.toml"
+    code, out, _ = zoh_main("export", table, "--target", "c", "--number", "auto", "--json")
+    assert code == 0
+    for entry in json.loads(out)["controllers"]:
+        assert entry["number"] == "f32"
+        assert "not q15: y_range must be given" in " ".join(entry["said"])
+    code, _, err = zoh_main("export", table, "--target", "c", "--number", "q15")
+    assert code == 2
+    assert "sensor.range must be given" in err
+
+
 def test_a_controller_that_fails_is_named_and_the_others_are_exported(zoh_main, tmp_path):
     file = tmp_path / "project.toml"
     bad = '[[controller]]\nname = "hot"\nlaw = "given"\nnum = [9000]\nden = [1]\n'

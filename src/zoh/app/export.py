@@ -113,6 +113,8 @@ def _ranges(
     said = []
     sensor, ends = project.sensor, project.actuator
     step = None if isinstance(design, TableVerified) else design.step
+    if step is None and number == "auto" and None in (sensor.low, sensor.high, ends.low, ends.high):
+        return None, None, ()  # the plan passes whole numbers over, and says that these are missing
     if sensor.low is not None and sensor.high is not None:
         y_range = (sensor.low, sensor.high)
     elif step is None:
