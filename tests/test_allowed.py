@@ -162,9 +162,29 @@ def test_malformed_permissions_are_refused_by_name(allow, line):
     assert "negative_gains" in str(refused.value)
 
 
-def test_what_is_left_open_is_not_searched_beyond_positive_gains():
-    with pytest.raises(zoh.SpecError, match="wc must be given for pi beside allow"):
-        zoh.pi(BACKWARDS, dt=0.5, pm_deg=60, allow=[NEGATIVE])
+@pytest.mark.parametrize(("law", "given"), [("pi", {"pm_deg": 60.0}), ("pid", {}), ("lag", {})])
+def test_what_is_left_open_of_a_plant_that_answers_backwards_is_the_opposite_of_its_opposite(
+    law, given
+):
+    # -P under -C is the loop of P under C, and u is the other way round
+    forwards = zoh.Plant(num=[-c for c in BACKWARDS.num], den=BACKWARDS.den)
+    asked = zoh.Requirements(ms=1.6, effort_min=-1.0, effort_max=9.0)
+    turned = zoh.Requirements(ms=1.6, effort_min=-9.0, effort_max=1.0)
+    plain = zoh.design(forwards, law, given, dt=0.5, requirements=asked)
+    found = zoh.design(BACKWARDS, law, given, dt=0.5, requirements=turned, allow=[NEGATIVE])
+    assert found.allowed == (NEGATIVE,)
+    assert found.margins.crossover == pytest.approx(plain.margins.crossover, rel=1e-12)
+    signed = {k: -v if k in ("kp", "ki", "kd", "dc_gain") else v for k, v in plain.gains.items()}
+    assert dict(found.gains) == pytest.approx(signed, rel=1e-9)
+    assert found.step.effort_range == pytest.approx([-e for e in plain.step.effort_range[::-1]])
+    with pytest.raises(zoh.Infeasible, match=r'turns it round, or allow=\["negative_gains"\] does'):
+        zoh.design(BACKWARDS, law, given, dt=0.5, requirements=turned)
+
+
+def test_what_answers_forwards_is_chosen_with_positive_gains_though_others_are_allowed():
+    arm = zoh.Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
+    plain = zoh.pi(arm, dt=0.1, pm_deg=50)
+    assert zoh.pi(arm, dt=0.1, pm_deg=50, allow=[NEGATIVE]).gains == plain.gains
 
 
 def test_a_project_file_allows_by_the_same_words():

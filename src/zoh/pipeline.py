@@ -1,6 +1,6 @@
 """Plant and specification in, verified controller out: sample, solve, measure, verify."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import inf
@@ -9,9 +9,10 @@ from typing import overload
 from zoh.analysis.load_error import load_iae
 from zoh.analysis.tabled.verify import TableVerified
 from zoh.analysis.verify import NOTHING_ASKED, Verified, measure, verified
-from zoh.certificate import certified, least_turn
-from zoh.choice.choose import choose
+from zoh.certificate import backwards, certified, least_turn
+from zoh.choice.choose import choose, nothing_asked
 from zoh.choice.judge import Judge
+from zoh.choice.notes import notes
 from zoh.design.p import crossovers
 from zoh.design.sections import SecondOrder, in_series
 from zoh.errors import Infeasible, NotMet
@@ -31,7 +32,7 @@ from zoh.request import (
     left_open,
 )
 from zoh.sampling.hold import sample
-from zoh.solving import SolvedLaw, by_gain_alone, negated, not_as_asked, solved
+from zoh.solving import SolvedLaw, by_gain_alone, negated, not_as_asked, opposite, solved
 from zoh.spec import Crossover, Requirements
 from zoh.table_design import check_for_a_table, design_on_table
 
@@ -134,8 +135,8 @@ def design(
     if law == "p" and len(parameters) == 1:
         return _free_p(bench, parameters, words)
     if missing:
-        check_choosable(law, missing[0], parameters, ["allow"] if words else [])
-        return _chosen(bench, parameters, sections, progress)
+        check_choosable(law, missing[0])
+        return _chosen(bench, parameters, words, sections, progress)
     return _solved(bench, parameters, words)
 
 
@@ -153,10 +154,13 @@ def _solved(bench: _Bench, parameters: Mapping[str, float], allow: frozenset[str
 
 
 def _chosen(
-    bench: _Bench, parameters: Mapping[str, float], sections: Sequence[SecondOrder],
-    progress: Progress | None,
+    bench: _Bench, parameters: Mapping[str, float], words: frozenset[str],
+    sections: Sequence[SecondOrder], progress: Progress | None,
 ) -> Verified:  # fmt: skip
-    """Return the design whose open parameters were chosen, measured anew."""
+    """Return the design whose open parameters were chosen, measured anew.
+
+    Of a plant that answers backwards the opposite is controlled, if negative gains are allowed.
+    """
     dt = bench.sampled.dt
     Crossover(
         wc=parameters.get("wc", 1e-9 / dt), pm_deg=parameters.get("pm_deg", 45.0)
@@ -168,26 +172,36 @@ def _chosen(
     )  # fmt: skip
     under = {k: v for k, v in parameters.items() if k in UNDER_MS}
     known = {k: v for k, v in parameters.items() if k not in under}
-    chosen = choose(judge, bench.law, known, progress)
+    back = NEGATIVE_GAINS in words and bool(backwards(bench.sampled))
+    chosen = choose(
+        judge.turned() if back else judge, bench.law, opposite(known) if back else known, progress
+    )
+    found_for = opposite(chosen.parameters) if back else chosen.parameters
+    asked_for = chosen.requirements if nothing_asked(bench.requirements) else bench.requirements
 
     def made(wc: float) -> Verified:
-        asked = {**chosen.parameters, **bench.weights, **under, "wc": wc}
+        asked = {**found_for, **bench.weights, **under, "wc": wc}
         if under:
             del asked["ki"]
-        return design(
+        made = design(
             bench.plant, chosen.law, asked, dt=dt, compute_delay=bench.compute_delay,
-            requirements=chosen.requirements, sections=sections, reference=bench.reference,
-            name=bench.name,
+            requirements=asked_for, sections=sections, reference=bench.reference,
+            name=bench.name, allow=sorted(words),
         )  # fmt: skip
+        return replace(made, allowed=bench.allowed)
 
     open_keys = tuple(k for k in chosen.choice.open if k != "ki" or not under)
-    choice = replace(chosen.choice, open=open_keys)
-    if not under or "wc" in parameters:
-        return replace(made(chosen.parameters["wc"]), choice=choice)
-    for share in _BELOW_THE_EDGE:
-        with suppress(Infeasible):  # at the edge itself the ki that will do are next to none
-            return replace(made(share * chosen.parameters["wc"]), choice=choice)
-    return replace(made(_LAST * chosen.parameters["wc"]), choice=choice)
+    found = _at_the_edge(made, chosen.parameters["wc"], bool(under) and "wc" not in parameters)
+    choice = replace(chosen.choice, open=open_keys, notes=notes(found, parameters))
+    return replace(found, choice=choice)
+
+
+def _at_the_edge(made: Callable[[float], Verified], wc: float, may_be_none: bool) -> Verified:
+    """Return what is made at wc, or as close below as the ki that will do are more than none."""
+    for share in _BELOW_THE_EDGE if may_be_none else ():
+        with suppress(Infeasible):
+            return made(share * wc)
+    return made(_LAST * wc if may_be_none else wc)
 
 
 def _free_p(bench: _Bench, parameters: Mapping[str, float], allow: frozenset[str]) -> Verified:

@@ -1,6 +1,6 @@
 """What may be asked of a law: its parameters, its options, and what is allowed by name."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from math import inf
 
 from zoh import checks
@@ -77,7 +77,11 @@ def checked(
     for name, value in given.items():
         if name not in takes:
             bound = f"is no parameter of {law} ({', '.join(takes)})"
-            raise SpecError(str(name), bound, value, "leave it out")
+            owner = next((k for k in LAWS if name in LAWS[k] + OPTIONS.get(k, ())), None)
+            way_out = (
+                f'name the law, such as "{owner}"' if law == AUTO and owner else "leave it out"
+            )
+            raise SpecError(str(name), bound, value, way_out)
     parameters = {k: _value(k, v, allow) for k, v in given.items() if v is not None}
     spare = [name for name in SPARE if name in parameters]
     if len(spare) > 1:
@@ -136,14 +140,11 @@ def check_whole(law: str, parameters: Mapping[str, float], why: str) -> None:
         raise SpecError(left[0], f"must be given {why}", None, f"{law} takes {takes}")
 
 
-def check_choosable(
-    law: str, name: str, parameters: Mapping[str, float], beside: Sequence[str] = ()
-) -> None:
-    """Refuse to choose where the search knows nothing of what was given."""
-    if beside or law == "textbook_lag":
-        takes = ", ".join(LAWS.get(law, OF_AUTO))
-        bound = f"must be given for {law}" + (f" beside {beside[0]}" if beside else "")
-        raise SpecError(name, bound, None, f"{law} takes {takes}")
+def check_choosable(law: str, name: str) -> None:
+    """Refuse to choose where the law is a rule that has nothing to choose by."""
+    if law == "textbook_lag":
+        takes = ", ".join(LAWS[law])
+        raise SpecError(name, f"must be given for {law}", None, f"{law} takes {takes}")
 
 
 def bounded_ms(parameters: Mapping[str, float]) -> float:

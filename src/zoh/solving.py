@@ -43,8 +43,7 @@ class SolvedLaw:
 
     def opposite(self) -> "SolvedLaw":
         """Return the same with all gains of the other sign."""
-        gains = {k: -v if k in _SIGNED else v for k, v in self.gains.items()}
-        return SolvedLaw(controller=negated(self.controller), gains=gains)
+        return SolvedLaw(controller=negated(self.controller), gains=opposite(self.gains))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,7 +74,7 @@ class Asked:
         """Return what a law of the other sign has to solve: all of it for the plant's opposite."""
         iae, plant = self.iae, self.plant
         back = negated(plant) if isinstance(plant, Sampled) else Opposite(plant)
-        parameters = {k: -v if k in _SIGNED else v for k, v in self.parameters.items()}
+        parameters = opposite(self.parameters)
         turned = None if iae is None else lambda controller: iae(negated(controller))
         return Asked(plant=back, spec=self.spec, parameters=parameters, iae=turned)
 
@@ -206,6 +205,15 @@ def not_as_asked(m: Margins, spec: Crossover | None) -> list[str]:
     if exact:  # it does cross over where it should: somewhere else the margin is smaller
         return [f"{measured}, another crossover of this loop, not {wanted}"]
     return [f"{measured}, not {wanted}: the loop does not cross over there"]
+
+
+def opposite(values: Mapping[str, float]) -> dict[str, float]:
+    """Return gains or parameters with those of the other sign that have one.
+
+    >>> opposite({"ki": 2.0, "wc": 3.0})
+    {'ki': -2.0, 'wc': 3.0}
+    """
+    return {k: -v if k in _SIGNED else v for k, v in values.items()}
 
 
 def negated(system: Sampled) -> Sampled:

@@ -76,7 +76,7 @@ def test_a_pi_on_an_integrator_by_its_phase():
     d = zoh.pi(INTEGRATOR, dt=1.0, requirements=zoh.Requirements(pm_deg=45))
     limit = 2 * (pi / 4 - np.arctan(0.1))
     assert limit * (1 - 2e-4) < d.margins.crossover <= limit * (1 + 1e-9)
-    assert "cannot give the margin" in d.choice.limits[0]
+    assert "cannot give a margin of 45 deg" in d.choice.limits[0]
 
 
 def test_nothing_asked_is_said_to_be_assumed():
@@ -136,7 +136,7 @@ def test_what_nothing_can_meet_is_refused_with_the_nearest():
     assert -180 < e.value.needed_deg <= 180
     with pytest.raises(zoh.Infeasible, match=r"no law meets everything asked at 20 rad/s"):
         zoh.design(ARM, "auto", {"wc": 20.0}, dt=0.1)
-    with pytest.raises(zoh.Infeasible, match="it can nowhere give the margin asked"):
+    with pytest.raises(zoh.Infeasible, match=r"the law cannot give a margin of .* anywhere"):
         zoh.p(INTEGRATOR, dt=1.0, requirements=zoh.Requirements(pm_deg=91))
 
 

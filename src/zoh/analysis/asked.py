@@ -12,6 +12,7 @@ OF_TIME = (
 )  # fmt: skip
 """The requirements that only a response in time shows."""
 
+_AT_SAMPLES = ("rise_time", "settling_time")
 _EQUAL = 1e-9  # 6 x 0.1 s is 0.6000000000000001: what equals a bound but for rounding meets it
 
 
@@ -71,11 +72,19 @@ def _apart(value: float, bound: float) -> str:
     return next(shown, repr(value))
 
 
-def checked(asked: object) -> Requirements:
-    """Return ``asked`` as it is; raise SpecError unless it is a ``Requirements``."""
+def checked(asked: object, dt: float) -> Requirements:
+    """Return ``asked`` as it is; raise SpecError unless samples every dt seconds can tell.
+
+    A time that is measured at the samples says nothing of a bound below one of them.
+    """
     if not isinstance(asked, Requirements):
         way_out = "zoh.Requirements(ms=1.8)"
         raise SpecError("requirements", "must be zoh.Requirements", asked, way_out)
+    for name in _AT_SAMPLES:
+        bound = getattr(asked, name)
+        if bound is not None and bound < dt * (1 - _EQUAL):
+            least = f"must be dt = {dt:.6g} s or more, for it is measured at the samples"
+            raise SpecError(name, least, bound, "sample faster, or ask for a bandwidth")
     return asked
 
 

@@ -184,12 +184,14 @@ class Choice:
     assumed  the requirements that were assumed where none was given
     limits   what stands against a faster crossover, one sentence each
     tried    (law, why not) of the simpler laws that were tried first
+    notes    what the requirements leave unsaid of the design that was chosen
     """
 
     open: tuple[str, ...]
     assumed: tuple[str, ...] = ()
     limits: tuple[str, ...] = ()
     tried: tuple[tuple[str, str], ...] = ()
+    notes: tuple[str, ...] = ()
 
     @property
     def sentences(self) -> tuple[str, ...]:
@@ -203,6 +205,7 @@ class Choice:
             f"chosen: {', '.join(self.open)}{fastest}",
             *([f"assumed, nothing being asked: {', '.join(self.assumed)}"] if self.assumed else []),
             *self.limits,
+            *self.notes,
             *(f"no {law}: {why}" for law, why in self.tried),
         )
 
@@ -213,6 +216,7 @@ class Choice:
             "assumed": list(self.assumed),
             "limits": list(self.limits),
             "tried": [{"law": law, "why_not": why} for law, why in self.tried],
+            "notes": list(self.notes),
         }
 
 

@@ -12,15 +12,15 @@ from math import degrees, inf, radians, remainder, tau
 
 from zoh.analysis.results import Choice
 from zoh.certificate import backwards, least_turn
+from zoh.choice.before import why_never
 from zoh.choice.fastest import Edge, Search, Trial, least_ms
 from zoh.choice.judge import Judge
 from zoh.design.p import crossovers
 from zoh.errors import Infeasible
-from zoh.request import AUTO, Progress
+from zoh.request import AUTO, NEGATIVE_GAINS, Progress
 from zoh.spec import Requirements
 
 FROM_THE_SIMPLEST = ("p", "pi", "pd", "lead", "lag", "pid", "leadlag")
-_INTEGRATES = ("pi", "pid")
 ASSUMED = Requirements(pm_deg=45.0, ms=1.7)
 _LEAST_PEAK = 1.25  # times the least Ms that a margin allows: what is assumed where that is more
 
@@ -45,7 +45,8 @@ def choose(
     told = _said(assumed) if nothing else ()
     tried: list[_Tried] = []
     for name in FROM_THE_SIMPLEST if law == AUTO else (law,):
-        why = peaks_by_itself(judge, given) or never_at_rest(judge, name)
+        least = least_ms(given["pm_deg"]) if "pm_deg" in given else 1.0
+        why = why_never(judge, name, given, least)
         if why:
             tried.append(_Tried(law=name, why=why))
             continue
@@ -60,8 +61,8 @@ def choose(
             return Chosen(
                 law=name, parameters=edge.best.parameters, requirements=assumed, choice=choice
             )
-        tried.append(_Tried(law=name, why=_nearest(edge.best), best=edge.best))
-    raise _refusal(judge, law, given, tried, told)
+        tried.append(_Tried(law=name, why=_nearest(edge.best, given), best=edge.best))
+    raise _refusal(judge, law, given, tried, told, progress)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,33 +76,6 @@ class _Tried:
     @property
     def height(self) -> float:
         return -inf if self.best is None else self.best.judgement.height
-
-
-def peaks_by_itself(judge: Judge, given: Mapping[str, float]) -> str:
-    """Return why no loop of the margin given is under the peak allowed; "" if one may be."""
-    most = judge.requirements.ms
-    if most is None or "pm_deg" not in given:
-        return ""
-    least = least_ms(given["pm_deg"])
-    if least <= most * (1 + 1e-9):  # what misses by rounding alone is met
-        return ""
-    margin = f"a margin of {given['pm_deg']:g} deg"
-    return f"ms must be at most {most:g}, and {margin} alone makes it {least:.5g}"
-
-
-def never_at_rest(judge: Judge, law: str) -> str:
-    """Return why no loop of this law comes to the error at rest that is allowed; "" if one may."""
-    allowed = judge.requirements.steady_state_error
-    if allowed is None:
-        return ""
-    if judge.plant.num[-1] == 0:
-        if allowed >= abs(judge.reference):
-            return ""
-        return "the plant has no gain at rest, so no loop follows a constant reference"
-    integrates = law in _INTEGRATES or judge.plant.den[-1] == 0
-    if integrates or allowed > 0 or judge.weights:
-        return ""
-    return "an error remains at rest, for neither the law nor the plant integrates"
 
 
 def nothing_asked(asked: Requirements) -> bool:
@@ -164,17 +138,19 @@ def _at_the_end(edge: Edge) -> tuple[str, ...]:
     return ("nothing limits it below the Nyquist frequency: it is the fastest that is tried",)
 
 
-def _nearest(best: Trial) -> str:
+def _nearest(best: Trial, given: Mapping[str, float]) -> str:
+    if best.parameters is None and "wc" in given:
+        return f"{best.judgement.failed} there"
     if best.parameters is None:
-        return f"it can nowhere give the margin asked, not even at {best.wc:.6g} rad/s"
+        return f"{best.judgement.failed} anywhere, not even at {best.wc:.6g} rad/s"
     return f"it comes nearest at {best.wc:.6g} rad/s, where {best.judgement.failed}"
 
 
 def _refusal(
     judge: Judge, law: str, given: Mapping[str, float], tried: list[_Tried],
-    assumed: tuple[str, ...],
+    assumed: tuple[str, ...], progress: Progress | None,
 ) -> Infeasible:  # fmt: skip
-    """Return why no crossover, or no law, meets everything."""
+    """Return why no crossover, or no law, meets everything, and where it can if not here."""
     last = max(tried, key=lambda one: one.height)
     where = f" at {given['wc']:.6g} rad/s" if "wc" in given else ""
     told = f" (assumed: {', '.join(assumed)})" if assumed else ""
@@ -184,6 +160,28 @@ def _refusal(
         pm_deg = given.get("pm_deg", judge.requirements.pm_deg or 45.0)
         return Infeasible(reason, needed_deg=least_turn(judge.sampled, pm_deg))
     pm_deg = (last.best.parameters or given).get("pm_deg", judge.requirements.pm_deg or 45.0)
-    turn = radians(pm_deg - 180) - phase(judge.sampled.at(last.best.wc))
-    refusal = Infeasible(reason, needed_deg=degrees(remainder(turn, tau)))
-    return refusal.because(backwards(judge.sampled))
+    response = judge.sampled.at(last.best.wc)
+    refusal = Infeasible(
+        f"{reason}{_another_law(law)}",
+        needed_deg=degrees(remainder(radians(pm_deg - 180) - phase(response), tau)),
+        needed_gain=1 / abs(response) if "wc" in given else None,
+        nearest_wc=_below(judge, last.law, given, progress) if "wc" in given else None,
+    )
+    turned = backwards(judge.sampled)
+    return refusal.because(f'{turned}, or allow=["{NEGATIVE_GAINS}"] does' if turned else "")
+
+
+def _another_law(law: str) -> str:
+    return "" if law == AUTO else f'; law="{AUTO}" looks for one that can'
+
+
+def _below(
+    judge: Judge, law: str, given: Mapping[str, float], progress: Progress | None
+) -> float | None:
+    """Return the fastest crossover below the one given at which the law meets everything.
+
+    It is the nearest one where the law's fastest is below; a faster one is none of those asked for.
+    """
+    fixed = {name: value for name, value in given.items() if name != "wc"}
+    best = _edge(judge, law, fixed, progress).best
+    return best.wc if best.met and best.wc < given["wc"] else None

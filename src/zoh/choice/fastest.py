@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from math import asin, degrees, inf, pi, radians, sin
 
 from zoh.choice.climb import Height, HighEnough, Point, climb, grid, tops
-from zoh.choice.freedom import Freedom, second_is_open
+from zoh.choice.freedom import LEAST_DEG, Freedom, keeps_zeros_fast, second_is_open
 from zoh.choice.judge import Judge, Judgement
 from zoh.choice.sieve import Sieve
 from zoh.errors import Infeasible, SpecError
@@ -33,9 +33,7 @@ _PUSHES = (0.01, 0.002, 0.0005)  # of wc, by which a crossover found is tried to
 _BELOW = 100.0  # times below the plant's slowest corner nothing new happens
 _ROUNDING_DEG = 1e-6  # below the least margin that a peak allows, so that rounding leaves it in
 _NYQUIST = 0.999  # of pi/dt is the fastest that is tried
-_NOWHERE = Judgement(
-    slack=-5.0, failed="the law cannot give the margin asked with no zero slower than wc/10"
-)
+_NOWHERE = -5.0  # slack: the law cannot give the least margin there
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,9 +41,9 @@ class Trial:
     """The best that a law can do at one crossover in rad/s; no parameters where it can nothing."""
 
     wc: float
+    judgement: Judgement
     point: Point = ()
     parameters: Mapping[str, float] | None = None
-    judgement: Judgement = _NOWHERE
 
     @property
     def met(self) -> bool:
@@ -97,7 +95,7 @@ class Search:
             wc /= 1 + step * min(
                 _STRIDE, 1 - (_STRIDE - 1) * min(0.0, here.judgement.height - _FAR)
             )
-        return Edge(best=nearest or Trial(wc=top), above=None)
+        return Edge(best=nearest or Trial(wc=top, judgement=self._nowhere(0.0)), above=None)
 
     def at(
         self, wc: float, seed: Point | None = None, enough: float = 0.0, *, seeded: bool = False
@@ -111,7 +109,7 @@ class Search:
         least = max(self.judge.requirements.pm_deg or 0.0, of_peak)
         freedom = Freedom.of(self.law, self.judge.sampled, wc, self.fixed, least)
         if freedom is None:
-            return Trial(wc=wc)
+            return Trial(wc=wc, judgement=self._nowhere(least))
         known: dict[Point, Judgement] = {}
 
         def height(point: Point) -> float:
@@ -129,6 +127,13 @@ class Search:
                 self._look(freedom, height, known)
         best = max(known, key=lambda p: known[p].height)
         return Trial(wc=wc, point=best, parameters=freedom.parameters(best), judgement=known[best])
+
+    def _nowhere(self, least: float) -> Judgement:
+        """Return that the law cannot give the margin given, or the least one in degrees."""
+        wanted = self.fixed.get("pm_deg", max(least, LEAST_DEG))
+        slow = " with no zero slower than wc/10" if keeps_zeros_fast(self.law, self.fixed) else ""
+        failed = f"the law cannot give a margin of {wanted:.4g} deg{slow}"
+        return Judgement(slack=_NOWHERE, failed=failed)
 
     def _look(self, freedom: Freedom, height: Height, known: dict[Point, Judgement]) -> None:
         """Try the points of the grid that a glance leaves, and climb from the best of them."""

@@ -24,7 +24,7 @@ _INSET = 1e-6  # of an open interval is left out at its ends
 _WIDE = 9.0  # a second coordinate reaches to exp(-9) of its range
 _LEAST_LEAD = 0.02  # rad that a lead-lag's lead turns: one of less is none, and rounding moves it
 _SAME_DEG = 1e-9  # two roads to one angle
-_LEAST_DEG = 1.0  # a margin that nobody would ask for less of
+LEAST_DEG = 1.0  # a margin that nobody would ask for less of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -131,10 +131,8 @@ def _lag_turn(target: Target, fixed: Mapping[str, float]) -> float:
 
 
 def _lead_lag_turns(target: Target, fixed: Mapping[str, float]) -> tuple[float, float] | None:
-    """Return the phases of a lead-lag; None where its lag's zero is slower than is allowed."""
+    """Return the phases of a lead-lag; a lag's zero that is given may be as slow as it is."""
     turn, ratio = _lag_turn(target, fixed), fixed.get("lag_ratio")
-    if turn * SLOWEST > 1 + _INSET:
-        return None
     if "dc_gain" in fixed:
         return leadlag.phases(target, fixed["dc_gain"], turn, ratio)
     b = atan(turn)
@@ -165,6 +163,14 @@ SECOND = {"pid": "ki", "lag": "dc_gain", "lead": "dc_gain", "leadlag": "dc_gain"
 def second_is_open(law: str, fixed: Mapping[str, float]) -> bool:
     """Return whether the law has a second parameter that nothing given closes."""
     return law in SECOND and not any(name in fixed for name in (SECOND[law], "ti_td"))
+
+
+def keeps_zeros_fast(law: str, fixed: Mapping[str, float]) -> bool:
+    """Return whether a zero that would be too slow can keep a law from a margin.
+
+    It can where a zero is chosen: a ki or dc_gain that is given brings its own.
+    """
+    return law in ("pi", "pd") or second_is_open(law, fixed)
 
 
 def _turns(law: str, target: Target, fixed: Mapping[str, float]) -> tuple[float, float] | None:
@@ -212,8 +218,8 @@ def _margins(
     inset = _INSET * (high - low)
     found = []
     for whole in (-360.0, 0.0, 360.0):
-        least = max(low + inset + whole, least_pm, _LEAST_DEG)
-        most = min(high - inset + whole, 180.0 - _LEAST_DEG)
+        least = max(low + inset + whole, least_pm, LEAST_DEG)
+        most = min(high - inset + whole, 180.0 - LEAST_DEG)
         given = fixed.get("pm_deg")
         if given is not None and low + whole < given < high + whole:
             return given, given
@@ -229,6 +235,6 @@ def _of_plant(
     pm_deg = turn_deg % 360.0
     if abs(fixed.get("pm_deg", pm_deg) - pm_deg) > _SAME_DEG:
         return None
-    if not max(least_pm, _LEAST_DEG) <= pm_deg < 180.0:
+    if not max(least_pm, LEAST_DEG) <= pm_deg < 180.0:
         return None
     return pm_deg, pm_deg

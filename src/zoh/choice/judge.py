@@ -1,7 +1,7 @@
 """One candidate beside everything that is asked, by measurement alone."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import inf
 
 from zoh import checks
@@ -18,7 +18,7 @@ from zoh.lti import poly
 from zoh.lti.systems import Plant, Sampled
 from zoh.lti.weights import WEIGHTS, feedforward
 from zoh.lti.wplane import warp
-from zoh.solving import SolvedLaw, off_target, solved
+from zoh.solving import SolvedLaw, negated, off_target, solved
 from zoh.spec import Crossover, Requirements
 
 _AT_REST = "steady_state_error"  # which needs no response: the gains at w = 0 have it
@@ -63,8 +63,20 @@ class Judge:
     weights: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        checked(self.requirements)
+        checked(self.requirements, self.sampled.dt)
         checks.number("reference", self.reference, "give the size of the step")
+
+    def turned(self) -> "Judge":
+        """Return the judge of the same loops with plant and controller of the other sign.
+
+        The effort is then the other way round, and so are its ends.
+        """
+        asked, opposite = self.requirements, tuple(-c for c in self.plant.num)
+        low, high = (None if e is None else -e for e in (asked.effort_max, asked.effort_min))
+        return replace(
+            self, plant=replace(self.plant, num=opposite), sampled=negated(self.sampled),
+            requirements=replace(asked, effort_min=low, effort_max=high),
+        )  # fmt: skip
 
     def of(self, law: str, parameters: Mapping[str, float]) -> Judgement:
         """Return the judgement of a law with these parameters, wc and pm_deg among them."""
@@ -107,8 +119,16 @@ class Judge:
 
 def _slow(controller: Sampled, wc: float) -> bool:
     """Return whether a zero is slower than a choice may have: Ti/Td alone does not say."""
-    slowest = float((-poly.roots(controller.num_w).real).min(initial=inf))
-    return slowest < SLOWEST * warp(wc, controller.dt)
+    return slowest_zero(controller) < SLOWEST * warp(wc, controller.dt)
+
+
+def slowest_zero(controller: Sampled) -> float:
+    """Return the rate in rad/s (w-plane) at which the slowest zero decays, inf where none is.
+
+    >>> slowest_zero(Sampled.from_w(num_w=(1.0, 3.0, 2.0), den_w=(1.0, 5.0, 6.0), dt=0.1))
+    1.0
+    """
+    return float((-poly.roots(controller.num_w).real).min(initial=inf))
 
 
 def judged(rows: list[Compared]) -> Judgement:

@@ -1,0 +1,115 @@
+"""What cannot be, seen before any search: each reason is a proof, in words.
+
+All of it is true of every loop with positive gains, whatever the crossover: what is left open is
+not searched where one of these stands against it.
+Source: G. F. Franklin, J. D. Powell, A. Emami-Naeini, Feedback Control of Dynamic Systems,
+sec. 4.2 (system type, and what the errors of a step add up to).
+"""
+
+from collections.abc import Mapping
+from math import pi
+
+from zoh.choice.judge import Judge
+from zoh.lti.systems import Sampled
+
+_INTEGRATES = ("pi", "pid")
+_ROUNDING = 1e-9  # relative: what misses by rounding alone is met
+
+
+def why_never(judge: Judge, law: str, given: Mapping[str, float], least_ms: float) -> str:
+    """Return why no loop of this law can meet everything asked; "" if one may.
+
+    least_ms  the least Ms of the margin that is given
+    """
+    return (
+        another_margin(judge, given)
+        or peaks_by_itself(judge, given, least_ms)
+        or too_wide(judge)
+        or never_at_rest(judge, law)
+        or always_beyond(judge, law)
+        or pushed_the_wrong_way(judge, law)
+    )
+
+
+def another_margin(judge: Judge, given: Mapping[str, float]) -> str:
+    """Return that the margin given is less than the one required; "" if it is not."""
+    least = judge.requirements.pm_deg
+    if least is None or given.get("pm_deg", least) >= least * (1 - _ROUNDING):
+        return ""
+    return f"pm_deg must be at least {least:g}, and a margin of {given['pm_deg']:g} deg is asked"
+
+
+def peaks_by_itself(judge: Judge, given: Mapping[str, float], least_ms: float) -> str:
+    """Return why no loop of the margin given is under the peak allowed; "" if one may be."""
+    most = judge.requirements.ms
+    if most is None or "pm_deg" not in given or least_ms <= most * (1 + _ROUNDING):
+        return ""
+    margin = f"a margin of {given['pm_deg']:g} deg"
+    return f"ms must be at most {most:g}, and {margin} alone makes it {least_ms:.5g}"
+
+
+def too_wide(judge: Judge) -> str:
+    """Return why no sampled loop has the bandwidth asked; "" if one may."""
+    asked, nyquist = judge.requirements.bandwidth, pi / judge.sampled.dt
+    if asked is None or asked < nyquist:
+        return ""
+    return f"bandwidth must be at least {asked:g}, and the Nyquist frequency is {nyquist:.6g} rad/s"
+
+
+def never_at_rest(judge: Judge, law: str) -> str:
+    """Return why no loop of this law comes to the error at rest that is allowed; "" if one may."""
+    allowed = judge.requirements.steady_state_error
+    if allowed is None:
+        return ""
+    if judge.plant.num[-1] == 0:
+        if allowed >= abs(judge.reference):
+            return ""
+        return "the plant has no gain at rest, so no loop follows a constant reference"
+    integrates = law in _INTEGRATES or judge.plant.den[-1] == 0
+    if integrates or allowed > 0 or judge.weights:
+        return ""
+    return "an error remains at rest, for neither the law nor the plant integrates"
+
+
+def always_beyond(judge: Judge, law: str) -> str:
+    """Return why every step overshoots though none may; "" if one may not.
+
+    With two integrators in the loop the errors at the samples add up to 0, and the first is not.
+    """
+    plant, allowed = judge.plant, judge.requirements.overshoot_pct
+    twice = plant.den[-1] == 0 and (law in _INTEGRATES or plant.den[-2] == 0)
+    if allowed != 0 or not twice or plant.num[-1] == 0 or judge.weights:
+        return ""
+    way_out = "; a setpoint_weight below 1 may do" if law in _INTEGRATES else ""
+    why = "with two integrators in the loop the errors of a step add up to 0: it overshoots"
+    return why + way_out
+
+
+def pushed_the_wrong_way(judge: Judge, law: str) -> str:
+    """Return why the effort leaves its range at once, or at rest; "" if it may stay.
+
+    With positive gains the first u has the reference's sign, or is 0; at rest an integrating plant
+    needs none, and a law that integrates gives r/G(0).
+    """
+    asked, plant, r = judge.requirements, judge.plant, judge.reference
+    low, high = asked.effort_min, asked.effort_max
+    if high is not None and high < 0 <= r * _first_sign(judge.fixed):
+        return f"effort_max must be at most {high:g}, and the first effort of a step is not below 0"
+    if low is not None and low > 0 >= r * _first_sign(judge.fixed):
+        return f"effort_min must be at least {low:g}, and the first effort of a step is not above 0"
+    gain = plant.sensor * plant.num[-1]
+    if not gain or not (plant.den[-1] == 0 or law in _INTEGRATES):
+        return ""
+    rest = r * plant.den[-1] / gain
+    if high is not None and rest > high + _ROUNDING * abs(high):
+        return f"effort_max must be at most {high:g}, and at rest the effort is {rest:.6g}"
+    if low is not None and rest < low - _ROUNDING * abs(low):
+        return f"effort_min must be at least {low:g}, and at rest the effort is {rest:.6g}"
+    return ""
+
+
+def _first_sign(fixed: Sampled | None) -> float:
+    """Return the first value of the step response of what is fixed in series: its sign counts."""
+    if fixed is None:
+        return 1.0
+    return fixed.num[0] if len(fixed.num) == len(fixed.den) else 0.0

@@ -1,0 +1,32 @@
+"""What a choice does not say by itself, and whoever ships it should know."""
+
+from collections.abc import Mapping
+
+from zoh.analysis.verify import Verified
+from zoh.choice.freedom import SLOWEST
+from zoh.choice.judge import slowest_zero
+from zoh.lti.wplane import warp
+
+_OF_ROBUSTNESS = ("pm_deg", "gain_margin_db", "delay_margin", "ms", "mt")
+
+
+def notes(found: Verified, given: Mapping[str, float]) -> tuple[str, ...]:
+    """Return what is said of a chosen design: a slow zero, and robustness that nothing bounds.
+
+    given  the parameters that were not chosen
+    """
+    said, margins = [], found.margins
+    asked = [name for name in _OF_ROBUSTNESS if getattr(found.requirements, name) is not None]
+    if not asked and "pm_deg" not in given:
+        said.append(
+            "nothing that was asked bounds the robustness: the phase margin is "
+            f"{margins.phase_margin_deg:.4g} deg, ms {margins.ms:.4g}"
+        )
+    slowest = slowest_zero(found.controller)
+    if margins.crossover and 0 < slowest < SLOWEST * warp(margins.crossover, found.controller.dt):
+        said.append(
+            f"a zero of the controller, which what was given brings, is at {slowest:.4g} rad/s: "
+            f"the loop creeps for some {1 / slowest:.3g} s behind a crossover at "
+            f"{margins.crossover:.4g} rad/s"
+        )
+    return tuple(said)

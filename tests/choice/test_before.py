@@ -1,0 +1,92 @@
+"""What is refused before any search: each reason by hand, and what is said of what is chosen."""
+
+import pytest
+
+import zoh
+
+ARM = zoh.Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)  # an integrator
+LAG = zoh.Plant(num=[2.0], den=[1, 1])
+
+
+@pytest.mark.parametrize(
+    ("plant", "law", "given", "asked", "why"),
+    [
+        (ARM, "pd", {"pm_deg": 60.0}, {"pm_deg": 70}, "a margin of 60 deg is asked"),
+        (ARM, "pi", {"pm_deg": 20.0}, {"ms": 2}, "a margin of 20 deg alone makes it 2.8794"),
+        (ARM, "pi", {}, {"bandwidth": 40}, "the Nyquist frequency is 31.4159 rad/s"),
+        (ARM, "pi", {}, {"overshoot_pct": 0}, "add up to 0: it overshoots; a setpoint_weight"),
+        (ARM, "pd", {}, {"effort_max": -1}, "the first effort of a step is not below 0"),
+        (ARM, "pd", {}, {"effort_min": 1, "effort_max": 9}, "at rest the effort is 0"),
+        # at rest u = r/G(0) = 1/2
+        (LAG, "pi", {}, {"effort_max": 0.4}, "at rest the effort is 0.5"),
+        (LAG, "pid", {}, {"effort_min": 0.6}, "at rest the effort is 0.5"),
+    ],
+)
+def test_what_no_loop_can_do_is_refused_at_once(plant, law, given, asked, why):
+    searched = []
+    with pytest.raises(zoh.Infeasible, match=why):
+        zoh.design(
+            plant, law, given, dt=0.1, requirements=zoh.Requirements(**asked),
+            progress=searched.append,
+        )  # fmt: skip
+    assert not searched
+
+
+@pytest.mark.parametrize(
+    ("plant", "law", "given", "asked", "options"),
+    [
+        (ARM, "pd", {"pm_deg": 70.0}, {"pm_deg": 70}, {}),
+        (ARM, "pi", {"setpoint_weight": 0.0}, {"overshoot_pct": 0, "pm_deg": 60}, {}),
+        (LAG, "pi", {}, {"effort_max": 0.6, "overshoot_pct": 30}, {}),
+        (LAG, "pi", {}, {"effort_max": 1, "effort_min": -3, "pm_deg": 60}, {"reference": -1.0}),
+        (ARM, "pd", {}, {"bandwidth": 3, "pm_deg": 30}, {}),
+    ],
+)
+def test_what_a_loop_can_do_is_not(plant, law, given, asked, options):
+    asked = zoh.Requirements(**asked)
+    found = zoh.design(plant, law, given, dt=0.1, requirements=asked, **options)
+    assert found.choice is not None
+
+
+@pytest.mark.parametrize("name", ["rise_time", "settling_time"])
+def test_a_time_below_a_sample_is_no_requirement(name):
+    short, enough = zoh.Requirements(**{name: 0.05}), zoh.Requirements(**{name: 0.1})
+    for call in (
+        lambda asked: zoh.pd(ARM, dt=0.1, requirements=asked),
+        lambda asked: zoh.pd(ARM, dt=0.1, wc=2.0, pm_deg=60, requirements=asked),
+        lambda asked: zoh.law_map(ARM, "pd", dt=0.1, requirements=asked, points=(3, 3)),
+    ):
+        with pytest.raises(zoh.SpecError, match=f"{name} must be dt = 0.1 s or more"):
+            call(short)
+    with pytest.raises(zoh.NotMet):
+        zoh.pd(ARM, dt=0.1, wc=2.0, pm_deg=60, requirements=enough)
+
+
+def test_what_is_said_of_a_slow_zero_and_of_a_robustness_that_nothing_bounds():
+    # a lag of gain 10 at rest, as fast as its margin lets it be, has its corners far below
+    slow = zoh.lag(ARM, dt=0.1, pm_deg=50, dc_gain=10.0)
+    (note,) = slow.choice.notes
+    assert "a zero of the controller, which what was given brings, is at 2.18e-05 rad/s" in note
+    assert "zero slower" not in " ".join(slow.choice.limits)
+    bare = zoh.pd(ARM, dt=0.1, requirements=zoh.Requirements(rise_time=0.5))
+    (note,) = bare.choice.notes
+    assert note.startswith("nothing that was asked bounds the robustness: the phase margin is 1 ")
+    assert zoh.pi(ARM, dt=0.1).choice.notes == ()
+
+
+def test_a_lag_corner_that_is_given_is_not_held_to_the_rule_of_slow_zeros():
+    found = zoh.leadlag(ARM, dt=0.1, pm_deg=40, lag_corner=0.1)
+    assert found.margins.crossover > 1.95  # at which all is met, too
+    assert "at 0.1 rad/s" in found.choice.notes[0]
+
+
+def test_where_a_given_crossover_is_too_fast_the_nearest_one_is_named():
+    asked = zoh.Requirements(ms=1.6)
+    with pytest.raises(zoh.Infeasible) as refused:
+        zoh.pi(ARM, dt=0.1, wc=3.0, requirements=asked)
+    nearest = refused.value.nearest_wc
+    assert zoh.pi(ARM, dt=0.1, wc=nearest, requirements=asked).margins.ms <= 1.6 * (1 + 1e-9)
+    assert refused.value.needed_gain == pytest.approx(1 / abs(zoh.sample(ARM, 0.1).at(3.0)))
+    # 1.001: the edge is closed in on to 1e-4 of wc, and what is met is not had far above it
+    with pytest.raises(zoh.Infeasible):
+        zoh.pi(ARM, dt=0.1, wc=nearest * 1.001, requirements=asked)
