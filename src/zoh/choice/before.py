@@ -1,7 +1,7 @@
 """What cannot be, seen before any search: each reason is a proof, in words.
 
-All of it is true of every loop with positive gains, whatever the crossover: what is left open is
-not searched where one of these stands against it.
+All of it is true of every stable loop with positive gains, whatever the crossover: what is left open
+is not searched where one of these stands against it. Sections in series have a gain of 1 at rest.
 Source: G. F. Franklin, J. D. Powell, A. Emami-Naeini, Feedback Control of Dynamic Systems,
 sec. 4.2 (system type, and what the errors of a step add up to).
 """
@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from math import pi
 
 from zoh.choice.judge import Judge
-from zoh.lti.systems import Sampled
 
 _INTEGRATES = ("pi", "pid")
 _ROUNDING = 1e-9  # relative: what misses by rounding alone is met
@@ -88,14 +87,14 @@ def always_beyond(judge: Judge, law: str) -> str:
 def pushed_the_wrong_way(judge: Judge, law: str) -> str:
     """Return why the effort leaves its range at once, or at rest; "" if it may stay.
 
-    With positive gains the first u has the reference's sign, or is 0; at rest an integrating plant
-    needs none, and a law that integrates gives r/G(0).
+    With positive gains, and sections whose zeros are stable, the first u has the reference's sign, or
+    is 0; at rest an integrating plant needs none, and a law that integrates gives r/G(0).
     """
     asked, plant, r = judge.requirements, judge.plant, judge.reference
     low, high = asked.effort_min, asked.effort_max
-    if high is not None and high < 0 <= r * _first_sign(judge.fixed):
+    if high is not None and high < 0 <= r:
         return f"effort_max must be at most {high:g}, and the first effort of a step is not below 0"
-    if low is not None and low > 0 >= r * _first_sign(judge.fixed):
+    if low is not None and low > 0 >= r:
         return f"effort_min must be at least {low:g}, and the first effort of a step is not above 0"
     gain = plant.sensor * plant.num[-1]
     if not gain or not (plant.den[-1] == 0 or law in _INTEGRATES):
@@ -106,10 +105,3 @@ def pushed_the_wrong_way(judge: Judge, law: str) -> str:
     if low is not None and rest < low - _ROUNDING * abs(low):
         return f"effort_min must be at least {low:g}, and at rest the effort is {rest:.6g}"
     return ""
-
-
-def _first_sign(fixed: Sampled | None) -> float:
-    """Return the first value of the step response of what is fixed in series: its sign counts."""
-    if fixed is None:
-        return 1.0
-    return fixed.num[0] if len(fixed.num) == len(fixed.den) else 0.0
