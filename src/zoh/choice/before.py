@@ -1,7 +1,8 @@
 """What cannot be, seen before any search: each reason is a proof, in words.
 
-All of it is true of every stable loop with positive gains, whatever the crossover: what is left open
-is not searched where one of these stands against it. Sections in series have a gain of 1 at rest.
+All of it is true of every stable loop with positive gains, whatever the crossover: what is left
+open is not searched where one of these stands against it. Sections in series have a gain of 1 at
+rest.
 Source: G. F. Franklin, J. D. Powell, A. Emami-Naeini, Feedback Control of Dynamic Systems,
 sec. 4.2 (system type, and what the errors of a step add up to).
 """
@@ -87,8 +88,8 @@ def always_beyond(judge: Judge, law: str) -> str:
 def pushed_the_wrong_way(judge: Judge, law: str) -> str:
     """Return why the effort leaves its range at once, or at rest; "" if it may stay.
 
-    With positive gains, and sections whose zeros are stable, the first u has the reference's sign, or
-    is 0; at rest an integrating plant needs none, and a law that integrates gives r/G(0).
+    With positive gains, and sections whose zeros are stable, the first u has the sign of the
+    reference, or is 0; at rest an integrating plant needs none, and a law that integrates r/G(0).
     """
     asked, plant, r = judge.requirements, judge.plant, judge.reference
     low, high = asked.effort_min, asked.effort_max
