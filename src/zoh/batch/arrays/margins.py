@@ -22,6 +22,7 @@ _POLISH = 3
 _FLAT = 1e-8  # of q: a/b is within its square of its least
 _BESIDE = 1e-6  # of q: this far from the least the slope has a sign that rounding does not make
 _STEPS = 100
+_MISSED = 1e-10  # of the least value: where a glance saw one lower by more, a root was missed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -181,7 +182,8 @@ def _lowest(a: Array, b: Array, on_grid: Array) -> tuple[Array, Mask]:
     (open_,) = np.nonzero(~proved)
     doubt = np.zeros(len(v), bool)
     if len(open_):
-        v[open_], doubt[open_] = _by_slopes(a[:, open_], b[:, open_])
+        v[open_], least, doubt[open_] = _by_slopes(a[:, open_], b[:, open_])
+        doubt[open_] |= value[open_] < least * (1 - _MISSED)
     return v, doubt
 
 
@@ -242,13 +244,21 @@ def _nothing_below(rest: Array, q: Array) -> Mask:
 
 
 def _without(a: Array, q: Array) -> Array:
-    """Return a/(x - q), the remainder dropped, in as many rows as before (the last is 0)."""
-    out = np.zeros_like(a)
-    carry = np.zeros(a.shape[1])
+    """Return a/(x - q), the remainder dropped, in as many rows as before (the last is 0).
+
+    From the top where q is below 1, from the bottom where it is above: the other way round the
+    rounding of what is large would be all there is of the small coefficients.
+    """
+    out, other = np.zeros_like(a), np.zeros_like(a)
+    carry, carried = np.zeros(a.shape[1]), np.zeros(a.shape[1])
+    part = 1 / np.where(q > 1, q, 1.0)
     for k in range(len(a) - 1, 0, -1):
         carry = a[k] + q * carry
         out[k - 1] = carry
-    return out
+        j = len(a) - 1 - k
+        carried = (carried - a[j]) * part
+        other[j] = carried
+    return np.where(q > 1, other, out)
 
 
 def _shorter(rest: Array, q: Array) -> Array:
@@ -259,8 +269,8 @@ def _shorter(rest: Array, q: Array) -> Array:
     return out
 
 
-def _by_slopes(a: Array, b: Array) -> tuple[Array, Mask]:
-    """Return (v where a/b is least, whether in doubt), every place where its slope is 0 tried."""
+def _by_slopes(a: Array, b: Array) -> tuple[Array, Array, Mask]:
+    """Return (v where a/b is least, a/b there, whether in doubt), every flat place of it tried."""
     slope = rows.times(rows.derivative(a), b) - rows.times(a, rows.derivative(b))
     size = np.max(np.abs(slope), axis=0)
     q, doubt = rows.positive_roots(slope / np.where(size > 0, size, 1.0))
@@ -269,8 +279,9 @@ def _by_slopes(a: Array, b: Array) -> tuple[Array, Mask]:
     value = np.concatenate([value, [a[0] / b[0], a[-1] / b[-1]]])
     places = np.concatenate([q, np.zeros((1, a.shape[1])), np.full((1, a.shape[1]), np.inf)])
     value = np.where(np.isnan(value), np.inf, value)
-    best = np.argmin(value, axis=0)
-    return np.sqrt(np.take_along_axis(places, best[None, :], axis=0)[0]), doubt
+    best = np.argmin(value, axis=0)[None, :]
+    v, least = (np.take_along_axis(x, best, axis=0)[0] for x in (np.sqrt(places), value))
+    return v, least, doubt
 
 
 def _peak(loops: Loops, name: str, v: Array) -> dict[str, Array]:

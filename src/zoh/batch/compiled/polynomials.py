@@ -193,8 +193,17 @@ def of_quadratic(a: Array, roots: Array, low: float, high: float) -> int:
 
 @compiled
 def without(a: Array, n: int, q: float, out: Array) -> None:
-    """Write a/(x - q), its remainder dropped, of degree n - 1; ``out`` may be a itself."""
+    """Write a/(x - q), its remainder dropped, of degree n - 1; ``out`` may be a itself.
+
+    From the bottom where q is above 1; see ``zoh.batch.arrays.margins``.
+    """
     carry = 0.0
+    if q > 1.0:
+        for k in range(n):
+            carry = (carry - a[k]) / q
+            out[k] = carry
+        out[n] = 0.0
+        return
     for k in range(n, 0, -1):
         carry = a[k] + q * carry
         out[k] = carry

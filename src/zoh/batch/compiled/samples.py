@@ -121,7 +121,7 @@ def crests(
             take(block, i, size, there)
             y0, y1 = along(pieces.y0[piece], there, size), along(pieces.y1[piece], there, size)
             height = estimate(sign * y0, sign * y1, rise[i] * span, fall[i] * span)
-            if height > seen[CREST]:
+            if height >= seen[CREST]:  # a corner's own height: the crest behind it is higher
                 keep(block, zs, seen, height, i, k, float(piece), size)
 
 

@@ -1,0 +1,61 @@
+"""Loops on which an arithmetic once differed from the single design: each by another road, too."""
+
+import numpy as np
+import pytest
+
+import zoh
+from zoh.batch import single
+from zoh.batch.arrays import run as arrays
+from zoh.batch.job import Job
+
+RESONANT = zoh.Plant(
+    num=(0.13933709426333085, 3.0167490488631135),
+    den=(
+        1.0, 12.172575948737794, 26.39066132412917, 17.701879923203805, 33.80627432126468,
+        6.191750941462186, 10.809219817316364,
+    ),
+)  # fmt: skip
+STIFF = zoh.Plant(
+    num=(1.4627179974821598, 1.3696268269084604, 0.2664943358470262),
+    den=(1.0, 6.819357342328861, 12.618825624653331, 3.975974207607738, 0.0),
+)
+
+
+def test_a_peak_of_a_loop_far_below_nyquist_is_not_missed():
+    # two resonances, and a sample time four decades above them
+    asked = {"dt": 0.0001250257041686786, "wc": 0.7831503540172946, "pm_deg": 26.567427063004608}
+    asked["dc_gain"] = 0.004510111083703995
+    columns = {name: np.array([value]) for name, value in asked.items()}
+    job = Job(plant=RESONANT, law="lead", dt=0.1, reference=-2.0, varying=tuple(columns))
+    found = arrays.run(job, columns)
+    lead = zoh.Sampled.from_w(
+        num_w=(
+            asked["dc_gain"] * found["gains.wp"][0] / found["gains.w0"][0],
+            asked["dc_gain"] * found["gains.wp"][0],
+        ),
+        den_w=(1.0, found["gains.wp"][0]),
+        dt=asked["dt"],
+    )
+    w = np.geomspace(0.3, 3.0, 200_001)
+    ms = 1 / np.abs(1 + lead.at(w) * zoh.sample(RESONANT, asked["dt"]).at(w)).min()
+    # 1e-7: the grid's spacing squared, times how sharp the peak is
+    assert found["ms"][0] == pytest.approx(ms, rel=1e-7)
+
+
+def test_a_crest_behind_a_corner_is_the_peak_in_every_arithmetic():
+    # the input arrives 0.3 of a sample late, and a fast pole turns the response round behind that
+    pytest.importorskip("numba")
+    from zoh.batch.compiled import run as compiled
+
+    asked = {
+        "dt": 0.22142958974769386, "compute_delay": 0.06642887692430816, "wc": 0.4891271250004877,
+        "pm_deg": 75.05616190290894, "dc_gain": 49.96222575559649,
+    }  # fmt: skip
+    columns = {name: np.array([value]) for name, value in asked.items()}
+    job = Job(plant=STIFF, law="lag", dt=0.1, reference=-2.0, varying=tuple(columns))
+    truth = single.run(job, columns)
+    for found in (arrays.run(job, columns), compiled.run(job, columns, threads=1)):
+        for name in ("between.overshoot_pct", "between.peak_time"):
+            # 1e-7: where a crest is, is known to half the digits of how high it is
+            assert found[name][0] == pytest.approx(truth[name][0], rel=1e-7)
+    assert truth["between.peak_time"][0] / asked["dt"] % 1 == pytest.approx(0.436, abs=1e-3)
