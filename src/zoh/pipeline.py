@@ -72,7 +72,7 @@ class _Bench:
             requirements=self.requirements, reference=self.reference, law=self.law,
             gains=found.gains, name=self.name, fixed=self.fixed, **self.weights,
         )  # fmt: skip
-        evidence = replace(evidence, allowed=self.allowed)
+        evidence = replace(evidence, allowed=self.allowed) if self.allowed else evidence
         off = not_as_asked(evidence.margins, spec)
         if evidence.margins.stable is False and unstable_hidden(self.plant):
             word = f'allow=["{CANCELLED_UNSTABLE_MODES}"]'

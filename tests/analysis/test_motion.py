@@ -1,10 +1,12 @@
 """motion: modes by hand, how far they are followed and how densely they are shown."""
 
+import warnings
 from math import atan2, cos, hypot, log, pi, sin
 
 import numpy as np
 import pytest
 
+import zoh
 from zoh.analysis import motion as room
 from zoh.analysis.motion import Motion
 
@@ -188,3 +190,14 @@ def test_the_limit_is_that_of_all_samples_together(monkeypatch):
     track = of(turning(0.99, 1.0), turning(1 - 1e-6, 1e-4)).track()
     assert len(track.k) == 2500
     assert not track.rests
+
+
+def test_a_motion_that_outgrows_floats_is_refused_in_one_line_and_without_a_warning():
+    """Six notches beside each other: twelve poles near one pair, in one fraction."""
+    arm = zoh.Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
+    notches = [zoh.notch(w0=20 + 0.3 * i, depth=0.05, width=0.3) for i in range(6)]
+    with (
+        warnings.catch_warnings(action="error", category=RuntimeWarning),
+        pytest.raises(zoh.SpecError, match=r"followed in 64-bit floats, .*: use fewer sections"),
+    ):
+        zoh.pid(arm, dt=0.1, wc=1.0, pm_deg=40, ki=0.3, sections=notches)

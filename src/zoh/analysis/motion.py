@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from zoh.analysis.loop import Array
+from zoh.errors import SpecError
 
 Indices = npt.NDArray[np.int64]
 
@@ -123,8 +124,23 @@ class Motion:
         Every sample while fast modes live, then as few as show the slow ones; none of one that
         is left alone, does not swing and has y well within its band: that goes from where it is
         to its rest, and no metric is there. A mode too slow for its eigenvalue to have a sign is
-        followed as far as floats count.
+        followed as far as floats count. Raises SpecError where the motion, which comes to rest,
+        outgrows floats: many poles close together, their coefficients in one fraction, swing each
+        other up in the rounding.
         """
+        try:
+            with np.errstate(over="raise", invalid="raise"):
+                return self._followed(final)
+        except FloatingPointError:
+            raise SpecError(
+                "controller",
+                "must have a response that can be followed in 64-bit floats",
+                f"{self.own} states of the loop that swing each other up",
+                "use fewer sections, or spread them wider",
+            ) from None
+
+    def _followed(self, final: float) -> Track:
+        """Return the motion from its start until its slowest mode is gone."""
         rates = self.rates()
         slowest = max(min((decay for decay, _ in rates), default=inf), _SLOWEST)
         end = max(8, ceil(-log(QUIET) / slowest) + 4 * len(self.delta))

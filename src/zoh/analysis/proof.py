@@ -8,7 +8,7 @@ a modulus margin just below m. All of it in whole numbers. Where a delay leaves 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf
+from math import frexp, inf, ldexp
 from typing import NamedTuple
 
 from zoh.analysis import discs
@@ -22,6 +22,7 @@ from zoh.lti.whole import Whole
 
 _ROUNDING = 1e-13  # |D + N| of its terms where a loop runs through -1
 PEAK_TOL = 1e-9  # relative; what is proved of a peak is that no point is higher by more than this
+_BITS = 41  # of the square of a peak: its last one is less than a thousandth of PEAK_TOL
 
 
 Look = Sparse | Close
@@ -87,8 +88,9 @@ def _least(squares: Squares, peak: Peak) -> Proof:
         return nothing
     if peak.least == inf:
         return Proof(holds=not any(below), method="bound", detail="measured against 0 everywhere")
-    level, unit = _just_below(peak.least)
-    above = [unit * c - level * b for c, b in zip(squares.closed, below, strict=True)]
+    level, down = _just_below(peak.least)
+    up, down = max(-down, 0), max(down, 0)
+    above = [(c << down) - (level * b << up) for c, b in zip(squares.closed, below, strict=True)]
     method = signs.positive(above, peak.v**2)
     return Proof(
         holds=method is not None,
@@ -98,10 +100,12 @@ def _least(squares: Squares, peak: Peak) -> Proof:
 
 
 def _just_below(least: float) -> tuple[int, int]:
-    """Return a square a little below that of the least value, as a fraction."""
-    part, whole_part = (1 - 2 * PEAK_TOL).as_integer_ratio()
-    top, bottom = least.as_integer_ratio()
-    return top * top * part, bottom * bottom * whole_part
+    """Return (level, down): level 2^-down is a little below the square of the least value.
+
+    By PEAK_TOL of the value or up to a thousandth of that less: so it has few bits.
+    """
+    mantissa, exponent = frexp(least)
+    return int(ldexp(mantissa * mantissa * (1 - 2 * PEAK_TOL), _BITS)) + 1, _BITS - 2 * exponent
 
 
 def _between(loop: Loop, v: Array, peak: Peak) -> Proof:
