@@ -172,3 +172,13 @@ def test_the_step_counts_with_its_reference_and_sections_with_the_loop():
     rows = zoh.sample_times(ARM, "pid", PID, dts=[0.01, 0.1], sections=[notch]).rows
     assert rows[0].pm_deg == pytest.approx(40, abs=1e-9)
     assert "must be below the Nyquist frequency" in rows[1].failure  # 31.4 rad/s
+
+
+def test_a_p_of_a_crossover_alone_follows_no_step_that_nobody_asks_about(monkeypatch):
+    # near its edge the poles come near z = -1, and their ringing takes seconds at each clock
+    monkeypatch.setattr("zoh.analysis.verify.closed_loop_step", None)
+    found = zoh.sample_times(PLANT, "p", {"wc": 2.0}, dts=[0.1, 0.3, 1.5])
+    assert [row.failure for row in found.rows] == [None, None, None]
+    # 1/(z - 1) has 90 deg - wc dt/2 of margin, whatever its gain
+    expected = [90 - degrees(2.0 * dt / 2) for dt in (0.1, 0.3, 1.5)]
+    assert [row.pm_deg for row in found.rows] == pytest.approx(expected, abs=1e-9)

@@ -237,3 +237,16 @@ def test_a_p_with_several_crossovers_takes_the_fastest():
     d = zoh.p(plant, dt=DT, pm_deg=40)
     assert d.margins.crossover == pytest.approx(9.0, rel=1e-9)
     assert d.gains["kp"] == pytest.approx(9.0, rel=1e-9)
+
+
+@pytest.mark.parametrize("given", [{"wc": 0.8}, {"pm_deg": 40}])
+def test_a_p_of_a_negative_gain_where_that_is_allowed(given):
+    table = arm_table()
+    turned = FrequencyResponse.from_complex(w=table.w, gain=-arm_at(table.w), dt=DT)
+    there = zoh.p(table, dt=DT, **given)
+    with pytest.raises((Infeasible, NotMet)):
+        zoh.p(turned, dt=DT, **given)
+    d = zoh.p(turned, dt=DT, **given, allow=["negative_gains"])
+    # the same loop: -k of -G; the angles of its table are rounded a half turn away
+    assert d.gains["kp"] == pytest.approx(-there.gains["kp"], rel=1e-9)
+    assert d.margins.phase_margin_deg == pytest.approx(there.margins.phase_margin_deg, abs=1e-9)

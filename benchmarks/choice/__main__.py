@@ -9,7 +9,7 @@ import argparse
 import sys
 from random import Random
 
-from benchmarks.choice.attack import beaten, drawn
+from benchmarks.choice.attack import beaten, drawn, gridded
 
 import zoh
 
@@ -32,7 +32,8 @@ def main() -> int:
             print(f"{i:3d} {task.law:5s} refused: {why}"[:160])
             continue
         chosen += 1
-        rival = beaten(task, found, found.requirements, random, arguments.tries)
+        grid = gridded(task, found)
+        rival = beaten(task, found, found.requirements, random, arguments.tries, grid)
         text = f"{i:3d} {task.law:5s} {found.margins.crossover:.6g} rad/s"
         if rival is not None:
             losses += 1

@@ -1,12 +1,14 @@
 """Random plants and requirements, and random controllers that are to beat a choice.
 
-The attack knows nothing of margins, coordinates or grids: it draws the gains of the law around
-those chosen, near and far, keeps what crosses over faster by more than 0.1 %, and asks
+The attack uses no code of the choice. It takes a fine grid of crossovers above the chosen one,
+margins and the law's free gain, solved here by hand; it draws the gains of the law around those
+chosen, near and far; of both it keeps what crosses over faster by more than 0.1 %, and asks
 ``zoh.measure`` about the rest.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import chain
 from math import exp, log, pi
 from random import Random
 
@@ -17,6 +19,9 @@ from zoh.spec import Requirements
 
 FASTER = 1.001  # what is faster by less does not count
 SLOWEST = 0.1  # of wc: the slowest zero that a choice may have, as docs/choice.md says
+_FASTER = (1.0011, 1.002, 1.004, 1.008, 1.015, 1.03, 1.06, 1.12, 1.25, 1.5, 2.0, 3.0)
+_MARGINS = range(4, 100, 4)  # deg
+_FREE = np.geomspace(1e-3, 1e3, 25)  # of the law's gain at wc
 
 
 @dataclass(frozen=True)
@@ -92,15 +97,57 @@ def rivals(
                 yield (a0 * wp / w0, a0 * wp), (1.0, wp)
 
 
+def gridded(
+    task: Task, found: zoh.Verified
+) -> Iterator[tuple[tuple[float, ...], tuple[float, ...]]]:
+    """Yield (num, den) in w of the law at every crossover, margin and free gain of a grid."""
+    half, chosen = task.dt / 2, found.margins.crossover
+    for wc in (chosen * x for x in _FASTER if chosen * x < 0.999 * pi / task.dt):
+        v, plant = np.tan(wc * half) / half, complex(found.sampled.at(wc))
+        if task.law == "p":
+            yield (1 / abs(plant),), (1.0,)
+            continue
+        for pm_deg in _MARGINS:
+            law = np.exp(1j * np.radians(pm_deg - 180)) / plant  # what the law must be at wc
+            yield from _solved(task.law, complex(law), float(v), half)
+
+
+def _solved(
+    law: str, d: complex, v: float, half: float
+) -> Iterator[tuple[tuple[float, ...], tuple[float, ...]]]:
+    """Yield the laws that are d at j v, with positive gains: two equations, linear in the gains."""
+    if law == "pi":
+        if d.real > 0 > d.imag:
+            yield (d.real, -v * d.imag), (1.0, 0.0)
+        return
+    turn = 1j * v / (1 + 1j * v * half)  # the filtered derivative
+    for free in (0.0,) if law == "pd" else _FREE * abs(d):
+        if law in ("pd", "pid"):
+            ki = v * free
+            rest = d - ki / (1j * v)
+            kd = rest.imag / turn.imag
+            kp = rest.real - kd * turn.real
+            if kp > 0 and kd > 0 and ki:
+                yield (kp * half + kd, kp + ki * half, ki), (half, 1.0, 0.0)
+            elif kp > 0 and kd > 0:
+                yield (kp * half + kd, kp), (half, 1.0)
+            continue
+        pole = (d.real - free) / (d.imag * v)  # 1/wp and 1/w0
+        zero = (d.imag / v + d.real * pole) / free
+        if pole > 0 and zero > 0 and (zero > pole) == (law == "lead"):
+            yield (free * zero / pole, free / pole), (1.0, 1 / pole)
+
+
 def beaten(
-    task: Task, found: zoh.Verified, asked: Requirements, random: Random, tries: int
-) -> zoh.Measured | None:
-    """Return the fastest rival that meets everything, None where there is none."""
+    task: Task, found: zoh.Verified, asked: Requirements, random: Random, tries: int,
+    others: Iterable[tuple[tuple[float, ...], tuple[float, ...]]] = (),
+) -> zoh.Measured | None:  # fmt: skip
+    """Return the fastest rival, ``others`` among them, that meets everything; None without one."""
     wc = found.margins.crossover
     w = np.geomspace(wc * FASTER, pi / task.dt, 400)
     s, plant = 1j * 2 / task.dt * np.tan(w * task.dt / 2), found.sampled.at(w)
     best = None
-    for num, den in rivals(task, found, random, tries):
+    for num, den in chain(others, rivals(task, found, random, tries)):
         loop = np.abs(np.polyval(num, s) / np.polyval(den, s) * plant)
         if not loop[0] > 1 or not loop[1:].min() < 1:
             continue

@@ -27,7 +27,7 @@ from zoh.lti.systems import Plant, Sampled
 from zoh.pipeline import design
 from zoh.request import LAWS, checked
 from zoh.sampling.hold import sample
-from zoh.solving import not_as_asked, solved
+from zoh.solving import by_gain_alone, not_as_asked, solved
 from zoh.spec import Crossover, Requirements
 
 Seen = tuple[Sampled, Sampled, Margins]  # plant, controller, and what their loop has
@@ -185,7 +185,9 @@ class _Asked:
         given, requirements = self.given, self.requirements
         if not given["wc"] * dt < pi:
             return None, "wc is not below the Nyquist frequency pi/dt"
-        whole = all(name in given for name in (*LAWS.get(self.law, ("law",)), "pm_deg"))
+        whole = self.law == "p" or all(
+            name in given for name in (*LAWS.get(self.law, ("law",)), "pm_deg")
+        )
         try:
             if whole and all(getattr(requirements, name) is None for name in OF_TIME):
                 return self._by_margins(dt, delay)
@@ -209,10 +211,12 @@ class _Asked:
 
         Near the edge of what a law can do its poles come near z = -1, and their ringing is long.
         """
-        spec = Crossover(wc=self.given["wc"], pm_deg=self.given["pm_deg"])
+        wc, pm_deg = self.given["wc"], self.given.get("pm_deg")
+        spec = None if pm_deg is None else Crossover(wc=wc, pm_deg=pm_deg)  # None: a P of its wc
         fixed, sampled = in_series(self.sections, dt), sample(self.plant, dt, delay)
         behind = fixed * sampled if fixed else sampled
-        controller = solved(self.law, behind, spec, self.given).controller
+        law = solved(self.law, behind, spec, self.given) if spec else by_gain_alone(behind, wc)
+        controller = law.controller
         controller = controller * fixed if fixed else controller
         m = measure_loop(Loop.of(controller, sampled))
         misses = [*missed(self.requirements, m, None), *not_as_asked(m, spec)]

@@ -5,6 +5,7 @@ for the curve between its points. What the table does not show is not designed f
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from math import radians, remainder, tau
 
@@ -26,7 +27,7 @@ from zoh.errors import Infeasible, NotMet, SpecError
 from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.systems import Sampled
 from zoh.lti.weights import WEIGHTS
-from zoh.request import CANCELLED_UNSTABLE_MODES, LAWS
+from zoh.request import CANCELLED_UNSTABLE_MODES, LAWS, NEGATIVE_GAINS
 from zoh.solving import (
     ELSEWHERE,
     UNSTABLE,
@@ -88,7 +89,7 @@ def design_on_table(
     if law == "p" and len(parameters) == 1:
         if fixed and "pm_deg" in parameters:
             raise SpecError("wc", "must be given beside sections on a table", None, "choose one")
-        return _free_p(plant_seen, parameters, checked)
+        return _free_p(plant_seen, parameters, checked, allow)
     spec = Crossover(wc=parameters["wc"], pm_deg=parameters.get("pm_deg", 90.0))
     asked = spec if "pm_deg" in parameters else None  # the textbook's rule takes no margin
     try:
@@ -116,16 +117,41 @@ def _free_p(
     plant: Clocked,
     parameters: Mapping[str, float],
     checked: Callable[[SolvedLaw, Crossover | None], TableVerified],
+    allow: frozenset[str],
 ) -> TableVerified:
-    """Return the P of a crossover alone, or of a margin alone: there the fastest that holds."""
+    """Return the P of a crossover alone, or of a margin alone: there the fastest that holds.
+
+    One of a negative gain, where that is allowed, if none of a positive one holds.
+    """
+    try:
+        return _p_of_one(plant, parameters, checked, 1)
+    except (Infeasible, NotMet):
+        if NEGATIVE_GAINS in allow:
+            with suppress(Infeasible, NotMet):
+                return _p_of_one(plant, parameters, checked, -1)
+        raise
+
+
+def _p_of_one(
+    plant: Clocked,
+    parameters: Mapping[str, float],
+    checked: Callable[[SolvedLaw, Crossover | None], TableVerified],
+    sign: int,
+) -> TableVerified:
+    """Return the P of one sign."""
+
+    def law(wc: float) -> SolvedLaw:
+        found = by_gain_alone(plant, wc)
+        return found if sign > 0 else found.opposite()
 
     if "wc" in parameters:
-        return checked(by_gain_alone(plant, parameters["wc"]), None)
+        return checked(law(parameters["wc"]), None)
     pm_deg = Crossover(wc=1.0, pm_deg=parameters["pm_deg"]).pm_deg
     failure: NotMet | None = None
-    for wc in reversed(_crossovers(plant.table, pm_deg)):
+    turned = 0.0 if sign > 0 else 180.0  # the opposite of a plant is a half turn behind it
+    for wc in reversed(_crossovers(plant.table, pm_deg - turned)):
         try:
-            return checked(by_gain_alone(plant, wc), Crossover(wc=wc, pm_deg=pm_deg))
+            return checked(law(wc), Crossover(wc=wc, pm_deg=pm_deg))
         except NotMet as missed:
             failure = failure or missed
     if failure is not None:
