@@ -122,5 +122,5 @@ def moved(s: Array, z: Array) -> Array:
 
 def along(row: Array, z: Array) -> Array:
     """Return row z."""
-    out: Array = np.sum(row * z, axis=0)
+    out: Array = np.einsum("jb,jb->b", row, z)
     return out

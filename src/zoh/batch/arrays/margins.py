@@ -2,8 +2,7 @@
 
 A loop is num(u)/den(u) with u = w/v, v the frequency that the law was solved at: its crossover is
 at u = j, where floats hold the most. Crossings are the sign changes of polynomials in q = (v/vc)^2,
-polished on the complex response itself; a peak is proved by what is left of
-|num + den|^2 - m |below|^2 without its double root, which has no positive root if m is the least.
+polished on the complex response itself; ``peaks`` finds where a sensitivity is highest.
 """
 
 from dataclasses import dataclass
@@ -11,18 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from zoh.batch.arrays import rows
+from zoh.batch.arrays import peaks, rows
 from zoh.batch.arrays.rows import Array, Mask
 from zoh.batch.tolerances import DROP, ON_IT_DEG, PIVOT, UNITY
 
 Index = npt.NDArray[np.intp]
 
-_GRID = np.geomspace(1e-4, 1e7, 40)  # of q, where a peak is first looked for
 _POLISH = 3
-_FLAT = 1e-8  # of q: a/b is within its square of its least
-_BESIDE = 1e-6  # of q: this far from the least the slope has a sign that rounding does not make
-_STEPS = 100
-_MISSED = 1e-10  # of the least value: where a glance saw one lower by more, a root was missed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,10 +74,10 @@ def measured(loops: Loops) -> tuple[dict[str, Array], Mask]:
         more, unsure = _by_phase(loops)
         found |= more
         doubt |= unsure
-        on_grid = _on_grid(aa)
-        peaks = {"modulus": dd, "mt": nn, "disk": rows.squared(d - n)}
-        for name, below in peaks.items():
-            v, unsure = _lowest(aa, below, on_grid)
+        on_grid = peaks.on_grid(aa)
+        below = {"modulus": dd, "mt": nn, "disk": rows.squared(d - n)}
+        for name, under in below.items():
+            v, unsure = peaks.lowest(aa, under, on_grid)
             doubt |= unsure
             found |= _peak(loops, name, v)
         found["bandwidth"], unsure = _bandwidth(loops, nn, aa)
@@ -165,125 +159,6 @@ def _taken(values: Array, rows_: Index, none: Mask) -> Array:
     return np.asarray(np.take_along_axis(values, rows_[None, :], axis=0)[0])
 
 
-def _lowest(a: Array, b: Array, on_grid: Array) -> tuple[Array, Mask]:
-    """Return (v where a/b is least over q = v^2 in [0, inf], whether that is in doubt).
-
-    on_grid  a at the points of the grid
-    """
-    ratio = on_grid / _on_grid(b)
-    best = np.clip(np.argmin(ratio, axis=0), 1, len(_GRID) - 2)
-    q, inside = _flat(a, b, _GRID[best - 1], _GRID[best + 1], _GRID[best])
-    value = rows.at(a, q) / rows.at(b, q)
-    v = np.sqrt(q)
-    for end, here in ((0.0, a[0] / b[0]), (np.inf, a[-1] / b[-1])):
-        lower = here <= value * (1 + 1e-14)
-        v, value = np.where(lower, end, v), np.where(lower, here, value)
-    proved = (inside | (v == 0) | np.isinf(v)) & _nothing_below(a - value * b, v * v)
-    (open_,) = np.nonzero(~proved)
-    doubt = np.zeros(len(v), bool)
-    if len(open_):
-        v[open_], least, doubt[open_] = _by_slopes(a[:, open_], b[:, open_])
-        doubt[open_] |= value[open_] < least * (1 - _MISSED)
-    return v, doubt
-
-
-def _on_grid(a: Array) -> Array:
-    return np.asarray(_GRID[:, None] ** np.arange(len(a)) @ a)
-
-
-def _flat(a: Array, b: Array, low: Array, high: Array, q: Array) -> tuple[Array, Mask]:
-    """Return (where the slope of a/b becomes positive in (low, high), whether it does).
-
-    Half the digits of it are enough, as a/b is flat there; the last of Newton's steps has more.
-    """
-    da, db = rows.derivative(a), rows.derivative(b)
-    out = np.empty_like(q)
-    index, step, f = np.arange(len(q)), np.full(len(q), np.inf), (a, b, da, db)
-    for _ in range(_STEPS):
-        slope, bend = _slope(*f, q)
-        left = slope < 0
-        low, high = np.where(left, q, low), np.where(left, high, q)
-        new = q - slope / bend
-        inside = (new > low) & (new < high) & (2 * np.abs(new - q) <= step)
-        last, q = q, np.where(inside, new, np.sqrt(low * high))
-        step = np.abs(q - last)
-        go = step > _FLAT * q
-        if np.all(go):
-            continue
-        out[index[~go]] = q[~go]
-        if not go.any():
-            break
-        index, low, high, q, step = index[go], low[go], high[go], q[go], step[go]
-        f = (f[0][:, go], f[1][:, go], f[2][:, go], f[3][:, go])
-    out[index] = q
-    falls = _slope(a, b, da, db, out * (1 - _BESIDE))[0] < 0
-    return out, falls & (_slope(a, b, da, db, out * (1 + _BESIDE))[0] > 0)
-
-
-def _slope(a: Array, b: Array, da: Array, db: Array, q: Array) -> tuple[Array, Array]:
-    """Return (a' b - a b', its derivative) at q."""
-    at_a, at_b = rows.at(a, q), rows.at(b, q)
-    (of_a, bend_a), (of_b, bend_b) = rows.with_slope(da, q), rows.with_slope(db, q)
-    return of_a * at_b - at_a * of_b, bend_a * at_b - at_a * bend_b
-
-
-def _nothing_below(rest: Array, q: Array) -> Mask:
-    """Return whether ``rest``, which has its double root at q taken out, has no positive root."""
-    inner = (q > 0) & np.isfinite(q)
-    divided = rest
-    for _ in range(2):
-        divided = _without(divided, q)
-    divided = np.where(inner, divided, _shorter(rest, q))
-    count = rows.changes(divided)
-    proved: Mask = np.equal(count, 0)
-    (maybe,) = np.nonzero((count > 0) & (count % 2 == 0))
-    if len(maybe):
-        roots, doubt = rows.positive_roots(divided[:, maybe])
-        proved[maybe] = ~np.isfinite(roots).any(axis=0) & ~doubt
-    return proved
-
-
-def _without(a: Array, q: Array) -> Array:
-    """Return a/(x - q), the remainder dropped, in as many rows as before (the last is 0).
-
-    From the top where q is below 1, from the bottom where it is above: the other way round the
-    rounding of what is large would be all there is of the small coefficients.
-    """
-    out, other = np.zeros_like(a), np.zeros_like(a)
-    carry, carried = np.zeros(a.shape[1]), np.zeros(a.shape[1])
-    part = 1 / np.where(q > 1, q, 1.0)
-    for k in range(len(a) - 1, 0, -1):
-        carry = a[k] + q * carry
-        out[k - 1] = carry
-        j = len(a) - 1 - k
-        carried = (carried - a[j]) * part
-        other[j] = carried
-    return np.where(q > 1, other, out)
-
-
-def _shorter(rest: Array, q: Array) -> Array:
-    """Return ``rest`` with the coefficient that its least at an end has made 0 left out."""
-    out = rest.copy()
-    out[0] = np.where(q == 0, 0.0, out[0])
-    out[-1] = np.where(np.isinf(q), 0.0, out[-1])
-    return out
-
-
-def _by_slopes(a: Array, b: Array) -> tuple[Array, Array, Mask]:
-    """Return (v where a/b is least, a/b there, whether in doubt), every flat place of it tried."""
-    slope = rows.times(rows.derivative(a), b) - rows.times(a, rows.derivative(b))
-    size = np.max(np.abs(slope), axis=0)
-    q, doubt = rows.positive_roots(slope / np.where(size > 0, size, 1.0))
-    inner = np.where(np.isfinite(q), q, 1.0)
-    value = np.where(np.isfinite(q), rows.at(a, inner) / rows.at(b, inner), np.inf)
-    value = np.concatenate([value, [a[0] / b[0], a[-1] / b[-1]]])
-    places = np.concatenate([q, np.zeros((1, a.shape[1])), np.full((1, a.shape[1]), np.inf)])
-    value = np.where(np.isnan(value), np.inf, value)
-    best = np.argmin(value, axis=0)[None, :]
-    v, least = (np.take_along_axis(x, best, axis=0)[0] for x in (np.sqrt(places), value))
-    return v, least, doubt
-
-
 def _peak(loops: Loops, name: str, v: Array) -> dict[str, Array]:
     end = np.isinf(v)
     at = np.where(end, 1.0, v)
@@ -299,7 +174,10 @@ def _peak(loops: Loops, name: str, v: Array) -> dict[str, Array]:
 
 def _bandwidth(loops: Loops, nn: Array, aa: Array) -> tuple[Array, Mask]:
     at_rest = DROP * nn[0] / aa[0]
-    q, doubt = rows.positive_roots(nn - at_rest * aa)
+    above = nn - at_rest * aa
+    q, doubt = rows.positive_roots(above)
     first = q[0] if len(q) else np.full(len(at_rest), np.inf)
     falls = np.isfinite(first) & (at_rest > 0)
-    return np.where(falls, loops.frequency(np.sqrt(np.where(falls, first, 1.0))), np.nan), doubt
+    first = np.where(falls, first, 1.0)
+    value, slope = rows.with_slope(above, first)
+    return np.where(falls, loops.frequency(np.sqrt(first - value / slope)), np.nan), doubt

@@ -23,7 +23,8 @@ Mask = npt.NDArray[np.bool_]
 _ENDS = 1e25  # roots are looked for between its inverse and it
 _RANGE = 280.0  # decades that a power of a float may fill
 _STEPS = 120  # halvings of a bracket's logarithm, and Newton's steps between them
-_LAST = 1e-15  # relative; a step this small is rounding
+_LAST = 1e-8  # relative: the error after a Newton's step as small as this is its square
+_CLOSE = 1e-15  # relative; between two ends this near there is nothing but rounding
 
 
 def only(loops: Kept, keep: Mask | npt.NDArray[np.int64]) -> Kept:
@@ -144,8 +145,8 @@ def positive_roots(a: Array) -> tuple[Array, Mask]:
     low, high = _ends(degree)
     (one,) = np.nonzero(count == 1)
     if len(one):
-        b = np.full(len(one), high)
-        roots[0, one] = _closed_in(a[:, one], 1 / b, b, np.ones(len(one)))
+        least, most = _bounds(a[:, one], low, high)
+        roots[0, one] = _closed_in(a[:, one], least, most, np.clip(1.0, least, most))
     (more,) = np.nonzero(count > 1)
     if len(more):
         roots[:, more], doubt[more] = _by_extremes(a[:, more], low, high)
@@ -156,6 +157,15 @@ def positive_roots(a: Array) -> tuple[Array, Mask]:
 def _ends(degree: int) -> tuple[float, float]:
     high = min(_ENDS, 10.0 ** (_RANGE / max(degree, 1)))
     return 1 / high, high
+
+
+def _bounds(a: Array, low: float, high: float) -> tuple[Array, Array]:
+    """Return two numbers between which every positive root is (Cauchy), low and high at most."""
+    size = np.abs(a)
+    with np.errstate(all="ignore"):
+        least = 0.99 * size[0] / (size[0] + np.max(size[1:], axis=0))
+        most = 1.01 * (1.0 + np.max(size[:-1], axis=0) / size[-1])
+    return np.fmax(least, low), np.fmin(most, high)
 
 
 def _by_extremes(a: Array, low: float, high: float) -> tuple[Array, Mask]:
@@ -197,7 +207,7 @@ def _closed_in(a: Array, low: Array, high: Array, x: Array) -> Array:
             inside = (newton > low) & (newton < high) & (2 * np.abs(newton - x) <= last)
             new = np.where(inside, newton, np.sqrt(low) * np.sqrt(high))
             last = np.abs(new - x)
-            done = (last <= _LAST * x) | (f == 0) | (high <= low * (1 + _LAST))
+            done = (last <= _LAST * x) | (f == 0) | (high <= low * (1 + _CLOSE))
             x = np.where(f == 0, x, new)
             if done.any():
                 out[index[done]] = x[done]

@@ -195,7 +195,7 @@ def of_quadratic(a: Array, roots: Array, low: float, high: float) -> int:
 def without(a: Array, n: int, q: float, out: Array) -> None:
     """Write a/(x - q), its remainder dropped, of degree n - 1; ``out`` may be a itself.
 
-    From the bottom where q is above 1; see ``zoh.batch.arrays.margins``.
+    From the bottom where q is above 1; see ``zoh.batch.arrays.peaks``.
     """
     carry = 0.0
     if q > 1.0:
