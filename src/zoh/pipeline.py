@@ -192,7 +192,7 @@ def _chosen(
 
     open_keys = tuple(k for k in chosen.choice.open if k != "ki" or not under)
     found = _at_the_edge(made, chosen.parameters["wc"], bool(under) and "wc" not in parameters)
-    choice = replace(chosen.choice, open=open_keys, notes=notes(found, parameters))
+    choice = replace(chosen.choice, open=open_keys, notes=notes(found, parameters, bench.fixed))
     return replace(found, choice=choice)
 
 

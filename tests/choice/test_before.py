@@ -1,8 +1,12 @@
 """What is refused before any search: each reason by hand, and what is said of what is chosen."""
 
+from dataclasses import replace
+
 import pytest
 
 import zoh
+from zoh.choice.before import pushed_the_wrong_way
+from zoh.choice.judge import Judge
 
 ARM = zoh.Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)  # an integrator
 LAG = zoh.Plant(num=[2.0], den=[1, 1])
@@ -46,6 +50,30 @@ def test_what_a_loop_can_do_is_not(plant, law, given, asked, options):
     asked = zoh.Requirements(**asked)
     found = zoh.design(plant, law, given, dt=0.1, requirements=asked, **options)
     assert found.choice is not None
+
+
+def test_a_plant_that_answers_at_once_and_backwards_may_need_the_other_sign_first():
+    # G = -1 - (z - 0.5)/(z - 2): under kp = 1 the loop's pole is 0.5, and u0 = r/(1 + G(inf)) = -r
+    at_once = zoh.Sampled(num=[-2.0, 2.5], den=[1.0, -2.0], dt=0.1)
+    asked = zoh.Requirements(effort_max=-0.1)
+    judge = Judge(
+        plant=LAG, sampled=at_once, compute_delay=0.0, requirements=asked, reference=1.0
+    )  # fmt: skip
+    assert pushed_the_wrong_way(judge, "p") == ""
+    later = replace(judge, sampled=zoh.sample(LAG, 0.1))
+    assert "the first effort of a step is not below 0" in pushed_the_wrong_way(later, "p")
+
+
+def test_an_integral_that_is_given_may_be_next_to_none():
+    plant, asked = zoh.Plant(num=[1], den=[1, 0]), zoh.Requirements(overshoot_pct=0)
+    found = zoh.pid(plant, dt=0.1, ki=1e-9, pm_deg=89.9, requirements=asked)
+    assert found.step.overshoot_pct == 0
+
+
+def test_the_zeros_of_a_notch_are_not_said_to_creep():
+    notch = zoh.notch(w0=20, depth=0.02)
+    found = zoh.pi(zoh.Plant(num=[1], den=[1, 0]), dt=0.01, pm_deg=60, sections=[notch])
+    assert found.choice.notes == ()
 
 
 @pytest.mark.parametrize("name", ["rise_time", "settling_time"])

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from known import float_pi, whole_pi
 
+import zoh
 from zoh.firmware import comparison, elf, harness, toolchain
 from zoh.firmware.book import Format
 from zoh.firmware.closed_loop import Loop
@@ -43,6 +44,22 @@ def test_hand_written_controllers_are_their_models_on_every_core(subject):
     assert len(found.builds) == 2 * (1 + len(CORES))
     assert found.samples > 3000
     assert found.loop_samples == 200
+
+
+def test_the_loop_with_the_plant_has_no_delay_of_its_own():
+    # 1/s, 1 s, kp = 1: deadbeat. y follows r one sample later; the disturbance, a tenth of the
+    # largest u there was (2), stays
+    sampled = zoh.sample(zoh.Plant(num=[1], den=[1, 0]), 1.0)
+    loop = Loop(plant=sampled, format=Format(number="f64"), reference=1.0, samples=12)
+    found = loop.trajectory(lambda given: given[0] - given[1])
+    assert found[:9].tolist() == [1, 0, 0, 0, 0, 0, -2, 0, 0]
+    assert found[9:].tolist() == pytest.approx([0, -0.2, -0.2], abs=1e-15)
+    late = zoh.sample(zoh.Plant(num=[1], den=[1, 0]), 1.0, compute_delay=1.0)
+    found = Loop(plant=late, format=Format(number="f64"), reference=1.0, samples=12).trajectory(
+        lambda given: given[0] - given[1]
+    )
+    # y(k+1) = y(k) + u(k-1): u = 1, 1, 0, -1, -1, 0
+    assert found[:6].tolist() == [1, 1, 0, -1, -1, 0]
 
 
 def test_numbers_worked_out_by_hand(tmp_path):

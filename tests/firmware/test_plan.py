@@ -230,6 +230,37 @@ def test_a_plan_with_a_coefficient_changed_is_none():
         replace(made_, program=replace(made_.program, coefficients=other))
 
 
+LAG = zoh.Plant(num=[1.0], den=[1.0, 1.0])
+
+
+def test_limits_that_the_format_cannot_tell_apart_or_hold_are_refused():
+    pi = zoh.verify(LAG, zoh.Sampled(num=[2.0, -1.5], den=[1.0, -1.0], dt=0.1))
+    whole = {"number": "q15", "y_range": (-1, 1)}
+    with pytest.raises(zoh.SpecError, match=r"u_min must be within the range of u, .* 0.999969"):
+        plan(pi, u_min=2.0, u_max=3.0, u_range=(-1, 1), **whole)
+    with pytest.raises(zoh.SpecError, match=r"u_max must be within the range of u, .* -1"):
+        plan(pi, u_min=-3.0, u_max=-2.0, u_range=(-1, 1), **whole)
+    with pytest.raises(zoh.SpecError, match=r"u_max must be above u_min = 0.001 in this format"):
+        plan(pi, u_min=0.001, u_max=0.04, u_range=(-1000, 1000), **whole)
+    with pytest.raises(zoh.SpecError, match=r"u_max must be above u_min = 0.1 in this format"):
+        plan(pi, u_min=0.1, u_max=0.1 + 1e-10)
+
+
+def test_weights_of_an_integral_alone_and_of_two_filters():
+    integral = zoh.verify(LAG, zoh.Sampled(num=[0.1, 0.1], den=[1.0, -1.0], dt=0.1))  # kp = ki/2
+    assert plan(integral, setpoint_weight=0.5).quantised.setpoint_weight == 1.0
+    two = zoh.verify(LAG, zoh.Sampled(num=[2.0, -3.2, 1.275], den=[1.0, -1.2, 0.35], dt=0.1))
+    with pytest.raises(zoh.SpecError, match="setpoint_weight must be 1 where there are two"):
+        plan(two, setpoint_weight=0.5)
+
+
+def test_what_no_format_takes_for_another_reason_is_not_said_to_be_the_loss():
+    rings = zoh.verify(LAG, zoh.Sampled(num=[0.5], den=[1.0, -1.0, 0.5], dt=0.1))
+    ranges = {"y_range": (-1, 1), "u_range": (-4, 4)}
+    with pytest.raises(zoh.SpecError, match=r"number must be one that takes .* realisation must"):
+        plan(rings, number="auto", realisation="pid", **ranges)
+
+
 def test_what_is_not_verified_is_refused():
     for thing in (design("pid").controller, zoh.measure(ARM, design("pid").controller), None):
         with pytest.raises(zoh.SpecError, match="verified must be a verified design"):

@@ -181,6 +181,8 @@ def test_the_solver_finds_what_overflows():
     )
     assert not solver.excluded(large, plan.ranges, 60.0)
     assert isinstance(proved(large), Overflow)
+    narrow = {**plan.ranges.lines, ("step", "p"): (0, 0)}  # the type in C is taken from these
+    assert not solver.excluded(plan.program, replace(plan.ranges, lines=narrow), 60.0)
     low, top = plan.ranges.states["x"][0], plan.program.value("x_max")  # where a step ends it
     tight = Ranges(lines=plan.ranges.lines, states={**plan.ranges.states, "x": (low, top - 1)})
     assert not solver.excluded(plan.program, tight, 60.0)

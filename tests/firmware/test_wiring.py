@@ -2,6 +2,7 @@
 
 import ctypes
 import re
+from dataclasses import replace
 
 import pytest
 from boards import ARDUINO, HAL
@@ -10,7 +11,7 @@ from host import STRICT
 
 import zoh
 from zoh.firmware import toolchain
-from zoh.firmware.equality import Equality
+from zoh.firmware.equality import Build, Equality
 from zoh.firmware.export import export, texts
 from zoh.firmware.lines import NUMBERS
 
@@ -86,6 +87,10 @@ def test_one_sided_ranges_and_limits_are_what_the_converters_span(number, held, 
 def test_a_clock_that_no_counter_of_microseconds_keeps_has_no_examples():
     slow = zoh.p(zoh.Plant(num=[1e-6], den=[1, 0]), dt=5000.0, pm_deg=60)
     assert sorted(export(slow)) == ["README.md", "controller.c", "controller.h"]
+    fast = zoh.p(zoh.Plant(num=[1], den=[1, 0]), dt=2.5e-6, pm_deg=60)
+    assert len(export(fast)) == 3
+    whole = zoh.p(zoh.Plant(num=[1], den=[1, 0]), dt=1 / 3000, pm_deg=60)  # 333.3 us
+    assert len(export(whole)) == 5
 
 
 def test_the_readme_says_what_was_proved_and_of_which_plan():
@@ -111,3 +116,16 @@ def test_what_is_no_target_and_what_is_another_plan_is_refused():
     )
     with pytest.raises(zoh.SpecError, match="proof must be of this plan"):
         export(made("pid", "f32"), proof=other)
+    failed = replace(other, builds=(Build(target="host", level="O2", differences=("bit 3",)),))
+    with pytest.raises(zoh.SpecError, match="proof must hold, got 'host -O2: bit 3'"):
+        export(made("pid", "f32"), proof=replace(failed, sha256=made("pid", "f32").sha256))
+    twice = [made("pid", "f32", name="arm"), made("pi", "f32", name="Arm")]
+    with pytest.raises(zoh.SpecError, match="name must differ in more than capitals, got 'Arm'"):
+        texts(twice, proofs=[None, None])
+
+
+def test_a_word_that_ends_a_comment_does_not():
+    hostile = zoh.verify(design("p").plant, design("p").controller, law="x */ int evil; /* y")
+    header = export(zoh.plan(hostile, name="ctl"))["ctl.h"]
+    assert header.count("*/\n#ifndef") == 1
+    assert "x * / int evil; / * y" in header

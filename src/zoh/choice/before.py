@@ -1,16 +1,17 @@
 """What cannot be, seen before any search: each reason is a proof, in words.
 
-All of it is true of every stable loop with positive gains, whatever the crossover: what is left
-open is not searched where one of these stands against it. Sections in series have a gain of 1 at
-rest.
+All of it is true of every stable loop that a choice may make, with positive gains and no slow zero,
+whatever the crossover: what is left open is not searched where one of these stands against it.
+Sections in series have a gain of 1 at rest.
 Source: G. F. Franklin, J. D. Powell, A. Emami-Naeini, Feedback Control of Dynamic Systems,
 sec. 4.2 (system type, and what the errors of a step add up to).
 """
 
 from collections.abc import Mapping
-from math import pi
+from math import nan, pi
 
 from zoh.choice.judge import Judge
+from zoh.lti.systems import Sampled
 
 _INTEGRATES = ("pi", "pid")
 _ROUNDING = 1e-9  # relative: what misses by rounding alone is met
@@ -26,7 +27,7 @@ def why_never(judge: Judge, law: str, given: Mapping[str, float], least_ms: floa
         or peaks_by_itself(judge, given, least_ms)
         or too_wide(judge)
         or never_at_rest(judge, law)
-        or always_beyond(judge, law)
+        or always_beyond(judge, law, given)
         or pushed_the_wrong_way(judge, law)
     )
 
@@ -71,11 +72,14 @@ def never_at_rest(judge: Judge, law: str) -> str:
     return "an error remains at rest, for neither the law nor the plant integrates"
 
 
-def always_beyond(judge: Judge, law: str) -> str:
+def always_beyond(judge: Judge, law: str, given: Mapping[str, float]) -> str:
     """Return why every step overshoots though none may; "" if one may not.
 
-    With two integrators in the loop the errors at the samples add up to 0, and the first is not.
+    With two integrators in the loop the errors at the samples add up to 0, and the first is not. Of
+    an integral that is given, next to nothing may be left of it: less than is counted.
     """
+    if given.keys() - {"wc", "pm_deg"}:
+        return ""
     plant, allowed = judge.plant, judge.requirements.overshoot_pct
     twice = plant.den[-1] == 0 and (law in _INTEGRATES or plant.den[-2] == 0)
     if allowed != 0 or not twice or plant.num[-1] == 0 or judge.weights:
@@ -88,14 +92,16 @@ def always_beyond(judge: Judge, law: str) -> str:
 def pushed_the_wrong_way(judge: Judge, law: str) -> str:
     """Return why the effort leaves its range at once, or at rest; "" if it may stay.
 
-    With positive gains, and sections whose zeros are stable, the first u has the sign of the
-    reference, or is 0; at rest an integrating plant needs none, and a law that integrates r/G(0).
+    With positive gains, sections whose zeros are stable and a plant without a negative path at once,
+    the first u has the sign of the reference, or is 0; at rest an integrating plant needs none, and
+    a law that integrates gives r/G(0).
     """
     asked, plant, r = judge.requirements, judge.plant, judge.reference
     low, high = asked.effort_min, asked.effort_max
-    if high is not None and high < 0 <= r:
+    first = 1.0 if judge.sampled.delay or _at_once(judge.sampled) >= 0 else nan
+    if high is not None and high < 0 <= r * first:
         return f"effort_max must be at most {high:g}, and the first effort of a step is not below 0"
-    if low is not None and low > 0 >= r:
+    if low is not None and low > 0 >= r * first:
         return f"effort_min must be at least {low:g}, and the first effort of a step is not above 0"
     gain = plant.sensor * plant.num[-1]
     if not gain or not (plant.den[-1] == 0 or law in _INTEGRATES):
@@ -106,3 +112,8 @@ def pushed_the_wrong_way(judge: Judge, law: str) -> str:
     if low is not None and rest < low - _ROUNDING * abs(low):
         return f"effort_min must be at least {low:g}, and at rest the effort is {rest:.6g}"
     return ""
+
+
+def _at_once(sampled: Sampled) -> float:
+    """Return what the output does in the very sample of an input of 1."""
+    return sampled.num[0] / sampled.den[0] if len(sampled.num) == len(sampled.den) else 0.0

@@ -151,7 +151,7 @@ class Search:
                 climb(height, start)
 
     def _bounds(self, freedom: Freedom, points: Sequence[Point]) -> list[float]:
-        """Return for each point a bound that its slack is not above."""
+        """Return for each point a bound that its slack is not above, -inf where the law refuses."""
         if not self.sieve.tells or len(points) == 1:
             return [inf] * len(points)
         bounds, some, controllers = [-inf] * len(points), [], []

@@ -3,7 +3,9 @@
 The first one is the margin, from the least allowed to the most that the law can give there; a
 second one is a PID's ki, or the gain at w = 0 of a lag or lead, where it was not given. Every
 point is a controller with positive gains that crosses over at wc, and every such controller is
-one, but for those with a zero whose real part is more than a decade below wc. A slow zero lets
+one, but for margins below 1 deg, the last ten-thousandth of a second range, lead-lags whose lag is
+neither given nor a decade below wc, and those with a zero whose real part is more than a decade
+below wc. A slow zero lets
 the loop creep, or ring, for ever behind a crossover that is fast in name alone: an integral that
 does next to nothing, a derivative with next to no gain below it.
 """

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
 
+import numpy as np
+
 from zoh import checks
 from zoh.analysis.asked import OF_TIME, Compared, checked, of_margins, of_time
 from zoh.analysis.loop import Loop
@@ -122,13 +124,18 @@ def _slow(controller: Sampled, wc: float) -> bool:
     return slowest_zero(controller) < SLOWEST * warp(wc, controller.dt)
 
 
-def slowest_zero(controller: Sampled) -> float:
+def slowest_zero(controller: Sampled, fixed: Sampled | None = None) -> float:
     """Return the rate in rad/s (w-plane) at which the slowest zero decays, inf where none is.
+
+    Zeros of what is ``fixed`` in series do not count.
 
     >>> slowest_zero(Sampled.from_w(num_w=(1.0, 3.0, 2.0), den_w=(1.0, 5.0, 6.0), dt=0.1))
     1.0
     """
-    return float((-poly.roots(controller.num_w).real).min(initial=inf))
+    zeros = poly.roots(controller.num_w)
+    for known in poly.roots(fixed.num_w) if fixed else ():
+        zeros = np.delete(zeros, np.argmin(np.abs(zeros - known)))
+    return float((-zeros.real).min(initial=inf))
 
 
 def judged(rows: list[Compared]) -> Judgement:

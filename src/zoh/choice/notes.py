@@ -5,15 +5,16 @@ from collections.abc import Mapping
 from zoh.analysis.verify import Verified
 from zoh.choice.freedom import SLOWEST
 from zoh.choice.judge import slowest_zero
+from zoh.lti.systems import Sampled
 from zoh.lti.wplane import warp
 
 _OF_ROBUSTNESS = ("pm_deg", "gain_margin_db", "delay_margin", "ms", "mt")
 
 
-def notes(found: Verified, given: Mapping[str, float]) -> tuple[str, ...]:
+def notes(found: Verified, given: Mapping[str, float], fixed: Sampled | None) -> tuple[str, ...]:
     """Return what is said of a chosen design: a slow zero, and robustness that nothing bounds.
 
-    given  the parameters that were not chosen
+    given  the parameters that were not chosen;  fixed  what is in series with the law
     """
     said, margins = [], found.margins
     asked = [name for name in _OF_ROBUSTNESS if getattr(found.requirements, name) is not None]
@@ -22,7 +23,7 @@ def notes(found: Verified, given: Mapping[str, float]) -> tuple[str, ...]:
             "nothing that was asked bounds the robustness: the phase margin is "
             f"{margins.phase_margin_deg:.4g} deg, ms {margins.ms:.4g}"
         )
-    slowest = slowest_zero(found.controller)
+    slowest = slowest_zero(found.controller, fixed)
     if margins.crossover and 0 < slowest < SLOWEST * warp(margins.crossover, found.controller.dt):
         said.append(
             f"a zero of the controller, which what was given brings, is at {slowest:.4g} rad/s: "

@@ -52,12 +52,17 @@ class Asked:
     realisation: str
 
     @property
-    def needs_parallel(self) -> str:
-        """Return the name of what only the parallel form has; empty where nothing is."""
+    def weighted(self) -> str:
+        """Return the name of a weight of the reference that is not 1; empty where none is."""
         if self.setpoint_weight != 1:
             return "setpoint_weight"
-        if self.derivative_weight != 1:
-            return "derivative_weight"
+        return "derivative_weight" if self.derivative_weight != 1 else ""
+
+    @property
+    def needs_parallel(self) -> str:
+        """Return the name of what only the parallel form has; empty where nothing is."""
+        if self.weighted:
+            return self.weighted
         return "anti_windup" if self.anti_windup in ("conditional", "back_calculation") else ""
 
     @property
@@ -69,7 +74,7 @@ class Asked:
 
     @property
     def eased(self) -> Requirements:
-        """Return the requirements, their bounds let out by what any rounding takes."""
+        """Return the requirements, their bounds let out by what rounding takes; 0 stays 0."""
         bounds = {}
         for field in fields(Requirements):
             bound = getattr(self.verified.requirements, field.name)

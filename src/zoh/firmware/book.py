@@ -106,6 +106,10 @@ class Book:
         rounded: float | int
         if whole:
             inside = ceil(value / self.format.u_unit) if up else floor(value / self.format.u_unit)
+            if (inside > self.format.most) if up else (inside < self.format.least):
+                end = float((self.format.most if up else self.format.least) * self.format.u_unit)
+                bound = f"must be within the range of u, which ends at {end:.6g}"
+                raise SpecError(name, bound, float(value), "give a u_range that holds it")
             rounded = max(self.format.least, min(self.format.most, inside))
         else:
             rounded = self._nearest(value)
@@ -177,9 +181,20 @@ def bounded(w: Writer, book: Book, features: Features, v: str) -> str:
             v = w.atmost("u_top", v, most, "not above the upper limit")
     if features.u_min is not None:
         least = book.bound("u_min", features.u_min, "lower limit of u", up=True)
+        if features.u_max is not None:
+            _apart(book, features)
         if not (typed and book.coefficients[least].value == book.format.least):
             v = w.atleast("u_new", v, least, "not below the lower limit")
     return v
+
+
+def _apart(book: Book, features: Features) -> None:
+    """Raise SpecError where the format leaves nothing between the limits of the output."""
+    low, high = (book.coefficients[name].value for name in ("u_min", "u_max"))
+    if not low < high:
+        bound = f"must be above u_min = {float(features.u_min or 0):.9g} in this format, too"
+        way_out = "choose limits farther apart, or a longer number"
+        raise SpecError("u_max", bound, float(features.u_max or 0), way_out)
 
 
 def finished(

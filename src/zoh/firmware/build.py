@@ -54,6 +54,11 @@ def candidates(request: Asked, number: Number) -> dict[str, Callable[[], Step]]:
                 "realisation", "must fit the controller, and pid is P, I and filtered differences",
                 "pid", "choose cascade or delta",
             )  # fmt: skip
+    if law is not None and len(law.filters) > 1 and request.weighted:
+        raise SpecError(
+            request.weighted, "must be 1 where there are two filters",
+            getattr(request, request.weighted), "weights belong to P, PI, PD and PID",
+        )  # fmt: skip
     alone = law is not None and not (law.ki or law.filters) and request.realisation == "auto"
     if not request.needs_parallel and not alone:  # a gain alone has one form
         for name in ("cascade", "delta"):
@@ -80,7 +85,7 @@ def _cascade(request: Asked, number: Number, delta: bool) -> CascadeStep:
         raise SpecError(
             "controller",
             "must have two integrators at most",
-            len(parts),
+            sum(p.a[: p.order].count(Fraction(0)) for p in parts),
             "there is no use for more",
         )
     if format_.whole:
@@ -161,7 +166,7 @@ def _entered(request: Asked, program: Program, form: Format) -> Entered:
     kp, on_r = law.kp - law.ki / 2, path.kp - path.ki / 2
     found: dict[str, Fraction] = {"kp": kp / gain}
     # a weight of 0 of which rounding leaves a part of a step below 0 is 0
-    entered: Entered = {"setpoint_weight": max(0.0, float(on_r / kp))}
+    entered: Entered = {"setpoint_weight": max(0.0, float(on_r / kp)) if kp else 1.0}
     if law.ki:
         found["ki"] = law.ki / dt / gain
     if law.filters:

@@ -79,10 +79,9 @@ class _Source:
         """Return what the source needs of its compiler, and the shift that C leaves open."""
         if not self.whole:
             return _FLOAT_GUARDS
-        lines = [line for r in self.plan.program.routines for line in r.lines if line.op == "asr"]
         types = sorted({self._type_in(r, line.args[0]) for r in self.plan.program.routines
                         for line in r.lines if line.op == "asr"})  # fmt: skip
-        if not lines:
+        if not types:
             return ""
         text = (
             "/* C leaves it open what a shift of a negative number is; this code needs floor. */\n"

@@ -38,19 +38,21 @@ class Loop:
         """Return u of every sample."""
         a, c, direct = realised(self.plant)
         x = [0.0] * len(a)
-        under_way = [0.0] * (self.plant.delay + 1)  # a direct path takes u of the sample before
+        under_way, last = [0.0] * self.plant.delay, 0.0
         kind = np.dtype(TYPES[self.format.number])
         given, out = np.zeros(3, kind), np.zeros(self.samples, kind)
         u_unit, largest = float(self.format.u_unit), 0.0
         for k in range(self.samples):
-            e = under_way.pop(0)
-            y = sum(p * q for p, q in zip(c, x, strict=True)) + direct * e
+            arrives = under_way[0] if under_way else last  # at once: u of the sample before
+            y = sum(p * q for p, q in zip(c, x, strict=True)) + direct * arrives
             r = self.reference if 2 * k < self.samples else -self.reference
             given[0], given[1] = self._number(r), self._number(y)
             out[k] = answer(given)
             u = float(out[k]) * u_unit
             largest = max(largest, abs(u))
-            under_way.append(u + (0.1 * largest if 4 * k >= 3 * self.samples else 0.0))
+            last = u + (0.1 * largest if 4 * k >= 3 * self.samples else 0.0)
+            under_way.append(last)
+            e = under_way.pop(0)
             first = x[0] - sum(p * q for p, q in zip(a, x, strict=True)) + e if x else 0.0
             x = [first, *(x[i] + x[i - 1] for i in range(1, len(x)))]
         return out

@@ -15,8 +15,11 @@ _SOFT_FLOAT = re.compile(
     r"|(?:add|sub|mul|div|neg|cmp|unord|eq|ne|lt|le|gt|ge)[sd]f[23]"
     r"|(?:fix|fixuns)[sd]f[sd]i|(?:float|floatun)[sd]i[sd]f|extendsfdf2|truncdfsf2)$"
 )
-# vfma (Arm), fmadd.s (RISC-V), vfmadd213ss (x86), fmadd and fmla (AArch64); vmla.f32 rounds twice
-_FUSED = re.compile(r"^(?:vfn?m[as]\.f\d+|v?fn?m(?:add|sub)(?:\d+\w+)?(?:\.[sd])?|fml[as])$")
+# vfma, vfmaeq (Arm), fmadd.s (RISC-V), vfmadd213ss (x86), fmadd and fmla (AArch64); vmla.f32
+# rounds twice
+_FUSED = re.compile(
+    r"^(?:vfn?m[as](?:[a-z]{2})?\.f\d+|v?fn?m(?:add|sub)(?:\d+\w+)?(?:\.[sd])?|fml[as])$"
+)
 _MODES = {  # as capstone calls them
     "EM_ARM": ("CS_ARCH_ARM", "CS_MODE_THUMB", "CS_MODE_MCLASS"),
     "EM_RISCV": ("CS_ARCH_RISCV", "CS_MODE_RISCV32", "CS_MODE_RISCVC"),

@@ -40,9 +40,20 @@ def texts(
     if target not in TARGETS:
         raise SpecError("target", "must be c", target, 'choose "c"')
     files: dict[str, str] = {}
+    taken: set[str] = set()
     for made, proof in zip(plans, proofs, strict=True):
+        if made.name.upper() in taken:  # of macros, and of files where capitals do not count
+            raise SpecError("name", "must differ in more than capitals", made.name, "name it anew")
+        taken.add(made.name.upper())
         if proof is not None and (proof.name, proof.sha256) != (made.name, made.sha256):
             raise SpecError("proof", "must be of this plan", proof.name, "prove it anew")
+        if proof is not None and not proof.holds:
+            raise SpecError(
+                "proof",
+                "must hold",
+                next(iter(proof.differences), "no build"),
+                "such code is not exported",
+            )
         files |= {**emit(made, () if proof is None else proof.costs), **examples(made)}
     return {**files, "README.md": readme(plans, proofs)}
 

@@ -21,7 +21,8 @@ class Cost:
 
     target        such as "Cortex-M4F -O2"
     instructions  least, mean and most, executed per sample
-    code_bytes    of the step; stack_bytes what it takes of the stack, None where not measured
+    code_bytes    of the code with constants and software arithmetic, without the self-test
+    stack_bytes   what a step takes of the stack, None where not measured
     """
 
     target: str
@@ -34,7 +35,8 @@ def header(plan: Plan, costs: Sequence[Cost]) -> str:
     """Return the text of NAME.h."""
     name, kind, guard = plan.name, result_type(plan.number), f"{plan.name.upper()}_H"
     lines = [*_design(plan), "", *_numbers(plan), "", *_use(plan), "", *_cost(costs)]
-    comment = "\n".join(f" * {line}".rstrip() for line in lines)
+    inside = (line.replace("*/", "* /").replace("/*", "/ *") for line in lines)
+    comment = "\n".join(f" * {line}".rstrip() for line in inside)
     return (
         f"/*\n{comment}\n */\n#ifndef {guard}\n#define {guard}\n\n#include <stdint.h>\n\n"
         f'#ifdef __cplusplus\nextern "C" {{\n#endif\n\n'
@@ -110,9 +112,11 @@ def _rounding(plan: Plan) -> str:
         found = round_off(plan)
     except SpecError as refused:
         return f"rounding not bounded: {refused}"
+    while_ = "" if plan.program.whole else "in the reference step "
     return (
-        f"rounding moves y by {found.y_bound:.3g} at most (dead band and limit cycles included), "
-        f"as noise by {found.y_noise:.2g}, u by {found.u_noise:.2g}"
+        f"rounding moves y {while_}by {found.y_bound:.3g} at most (dead band and limit cycles "
+        f"included), as long as no limit is reached, as noise by {found.y_noise:.2g}, "
+        f"u by {found.u_noise:.2g}"
     )
 
 

@@ -13,10 +13,10 @@ _GRID = np.expm1(1j * np.geomspace(1e-7, np.pi, 400))  # d on the unit circle, z
 
 
 def levelled(parts: tuple[Section, ...]) -> tuple[Section, ...]:
-    """Return the same product, powers of two moved so that no section but the last amplifies.
+    """Return the same product, powers of two moved so that none before the last amplifies a sine.
 
-    Up to each of them the gain at every frequency is then 1/2 at most, so that an error of twice
-    full scale passes; what is taken away is given back by the last one.
+    The product up to each of them has then a gain of 1/2 at most at every frequency looked at, so
+    that a sine of twice full scale passes; what is taken away is given back by the last one.
     """
     passed = np.ones(_GRID.shape, complex)
     moved, owed = [], Fraction(1)

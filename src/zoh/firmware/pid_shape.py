@@ -16,7 +16,8 @@ class PidShape:
     """A law in parallel form with its features in one format.
 
     points  the binary points of whole numbers: "u" of the sums, "integral" and "ki" of the integral
-            and of what it moves by, and "filter" of each filter; 0 for floats
+            and of what it moves by, "filter" and "alpha" of each filter and of what that moves by;
+            0 for floats
     """
 
     law: Parallel

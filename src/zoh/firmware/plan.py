@@ -124,14 +124,19 @@ def plan(
     if request.number != "auto":
         return _planned(request, request.number, most)
     passed_over: list[str] = []
+    lost = False
     for one in NUMBERS:
         try:
             return _planned(request, one, most, tuple(passed_over))
         except NotMet as refused:
+            lost = True
             passed_over.append(f"not {one}: {'; '.join(refused.misses)}")
         except ZohError as refused:
             passed_over.append(f"not {one}: {refused}")
-    way_out = f"allow more, or see why: {'; '.join(passed_over)}"
+    why = "; ".join(passed_over)
+    if not lost:
+        raise SpecError("number", "must be one that takes this controller", "auto", why)
+    way_out = f"allow more, or see why: {why}"
     raise SpecError("pm_loss_deg", "must be what some format keeps", most, way_out)
 
 

@@ -41,7 +41,8 @@ _DIGITS = {"f32": 24, "f64": 53}
 class RoundOff:
     """How far rounding moves y and u of the closed loop, in their units.
 
-    y_bound, u_bound  the most, whatever the signals are: of a dead band or a limit cycle too
+    y_bound, u_bound  the most, of a dead band or a limit cycle too: of whole numbers whatever the
+                      signals are, of floats for values as large as in the design's reference step
     y_noise, u_noise  the standard deviation, where the errors are as good as random
     """
 

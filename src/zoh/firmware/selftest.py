@@ -39,7 +39,7 @@ def selftest(plan: Plan) -> str:
         f"            {name}_track(&s, r[k], y[k], ff[k], u[0]);\n"
         "        }\n"
         f"        got = {name}_step(&s, r[k], y[k], ff[k]);\n"
-        "        if ((first == 0) && ((got < u[k]) || (got > u[k]))) {\n"
+        "        if ((first == 0) && !((got >= u[k]) && (got <= u[k]))) {\n"
         "            first = k + 1;\n"
         "        }\n"
         "    }\n"

@@ -43,7 +43,7 @@ def _z3() -> Any:
 
 
 def _holds(z3: Any, program: Program, ranges: Ranges, routine: Routine, timeout_s: float) -> bool:
-    """Return whether a routine leaves every value in its word and every state in its range."""
+    """Return whether a routine leaves every value and every state in its range."""
     bits, solver = IO_BITS[program.number], z3.Solver()
     solver.set("timeout", int(1000 * timeout_s))
     values: dict[str, Any] = {c.name: z3.IntVal(int(c.value)) for c in program.coefficients}
@@ -57,7 +57,8 @@ def _holds(z3: Any, program: Program, ranges: Ranges, routine: Routine, timeout_
         solver.add(_inside(z3, values[name], found))
     for line in routine.lines:
         values[line.name] = _value(z3, line, values, solver.add)
-        wrong.append(z3.Not(_inside(z3, values[line.name], _word(2 * bits))))
+        claimed = ranges.lines[routine.name, line.name]  # of which its type in C is the smallest
+        wrong.append(z3.Not(_inside(z3, values[line.name], claimed)))
     for state, name in routine.stores:
         wrong.append(z3.Not(_inside(z3, values[name], ranges.states[state])))
     if routine.result is not None:

@@ -109,9 +109,10 @@ def _float(draw: int, k: int, numbers: Iterator[int], plan: Plan) -> Sample:
         return (k % 64) / 32 - 1, 1 - (k % 64) / 32, any_of() * 0.01
     if kind == 4 and draw % 4 == 0:
         return edge(), edge(), edge()
+    tiny, large = (-130, 110) if plan.number == "f32" else (-1030, 1000)
     if kind == 5:  # subnormal and tiny
-        return any_of() * 2.0**-130, any_of() * 2.0**-140, 0.0
+        return any_of() * 2.0**tiny, any_of() * 2.0 ** (tiny - 10), 0.0
     if kind == 6 and draw % 16 == 0:
-        return any_of() * 2.0**110, any_of() * 2.0**110, any_of() * 2.0**110
+        return any_of() * 2.0**large, any_of() * 2.0**large, any_of() * 2.0**large
     size = 2.0**-10 if kind == 7 else 1.0  # a controller of high gain is seldom off its limits
     return any_of() * size, any_of() * size, any_of() * 0.1 if draw % 2 else 0.0

@@ -12,6 +12,8 @@ from zoh.firmware.book import IO_BITS
 from zoh.firmware.plan import Plan
 from zoh.firmware.words import float_literal, result_type
 
+_OFF = 1e-3  # of a period: by more the clock of an example may not be off
+
 _SKETCH = """\
 /* {name}_arduino.ino: {name} on an Arduino. Put this file, {name}.h and {name}.c into a folder
  * called {name}_arduino. Look through what is marked YOURS before power is on. */
@@ -103,7 +105,8 @@ def stm32(plan: Plan) -> str:
 
 def examples(plan: Plan) -> dict[str, str]:
     """Return the examples by file name; none for a clock that no microsecond counter keeps."""
-    if not 1e-6 <= plan.dt <= 2000.0:
+    exact = plan.dt * 1e6
+    if not 1e-6 <= plan.dt <= 2000.0 or abs(round(exact) - exact) > _OFF * exact:
         return {}
     return {f"{plan.name}_arduino.ino": arduino(plan), f"{plan.name}_stm32.c": stm32(plan)}
 
