@@ -76,18 +76,18 @@ def test_the_zeros_of_a_notch_are_not_said_to_creep():
     assert found.choice.notes == ()
 
 
-@pytest.mark.parametrize("name", ["rise_time", "settling_time"])
-def test_a_time_below_a_sample_is_no_requirement(name):
-    short, enough = zoh.Requirements(**{name: 0.05}), zoh.Requirements(**{name: 0.1})
-    for call in (
-        lambda asked: zoh.pd(ARM, dt=0.1, requirements=asked),
-        lambda asked: zoh.pd(ARM, dt=0.1, wc=2.0, pm_deg=60, requirements=asked),
-        lambda asked: zoh.law_map(ARM, "pd", dt=0.1, requirements=asked, points=(3, 3)),
-    ):
-        with pytest.raises(zoh.SpecError, match=f"{name} must be dt = 0.1 s or more"):
-            call(short)
-    with pytest.raises(zoh.NotMet):
-        zoh.pd(ARM, dt=0.1, wc=2.0, pm_deg=60, requirements=enough)
+def test_a_jump_from_one_sample_to_the_next_takes_the_time_that_it_takes():
+    # 1/s, 0.1 s, a P of 1/dt: y runs from 0 to 1 in one sample, 80 % of it from 10 to 90 %
+    plant = zoh.Plant(num=[1], den=[1, 0])
+    found = zoh.verify(plant, zoh.Sampled(num=[10.0], den=[1.0], dt=0.1))
+    assert found.step.rise_time == 0
+    assert found.step.between_samples.rise_time == pytest.approx(0.08)
+    within = zoh.Requirements(rise_time=0.0801)
+    assert zoh.verify(plant, found.controller, requirements=within).misses == ()
+    with pytest.raises(zoh.NotMet, match=r"rise_time must be at most 0.05, measured 0.08"):
+        zoh.verify(plant, found.controller, requirements=zoh.Requirements(rise_time=0.05))
+    with pytest.raises(zoh.NotMet, match=r"settling_time must be at most 0.05, measured 0.1"):
+        zoh.verify(plant, found.controller, requirements=zoh.Requirements(settling_time=0.05))
 
 
 def test_what_is_said_of_a_slow_zero_and_of_a_robustness_that_nothing_bounds():

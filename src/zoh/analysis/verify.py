@@ -56,7 +56,7 @@ def measure(
     reference = checks.number("reference", reference, "give the size of the step")
     if reference == 0:
         raise SpecError("reference", "must not be 0", reference, "a step of 0 shows nothing")
-    requirements = checked(requirements, controller.dt)
+    requirements = checked(requirements)
     called = labels(law, gains, name)
     weights = (
         checks.not_negative("setpoint_weight", setpoint_weight),

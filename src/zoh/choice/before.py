@@ -92,9 +92,9 @@ def always_beyond(judge: Judge, law: str, given: Mapping[str, float]) -> str:
 def pushed_the_wrong_way(judge: Judge, law: str) -> str:
     """Return why the effort leaves its range at once, or at rest; "" if it may stay.
 
-    With positive gains, sections whose zeros are stable and a plant without a negative path at once,
-    the first u has the sign of the reference, or is 0; at rest an integrating plant needs none, and
-    a law that integrates gives r/G(0).
+    With positive gains, sections whose zeros are stable and a plant without a negative path at
+    once, the first u has the sign of the reference, or is 0; at rest an integrating plant needs
+    none, and a law that integrates gives r/G(0).
     """
     asked, plant, r = judge.requirements, judge.plant, judge.reference
     low, high = asked.effort_min, asked.effort_max

@@ -65,7 +65,7 @@ class Judge:
     weights: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        checked(self.requirements, self.sampled.dt)
+        checked(self.requirements)
         checks.number("reference", self.reference, "give the size of the step")
 
     def turned(self) -> "Judge":

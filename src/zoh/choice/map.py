@@ -88,7 +88,7 @@ def law_map(
         raise SpecError("law", f"must be one of {', '.join(MAPPED)}", law, "choose one of these")
     across, up = (checks.whole("points", n, 2, "two numbers of points") for n in points)
     fixed = _fixed(law, given or {})
-    asked = checked(Requirements() if requirements is None else requirements, dt)
+    asked = checked(Requirements() if requirements is None else requirements)
     asked = ASSUMED if nothing_asked(asked) else asked
     sampled = sample(plant, dt, compute_delay)
     judge = Judge(

@@ -99,19 +99,24 @@ def _nothing_below(rest: Array, q: Array) -> Mask:
 def _without(a: Array, q: Array) -> Array:
     """Return a/(x - q), the remainder dropped, in as many rows as before (the last is 0).
 
-    From the top where q is below 1, from the bottom where it is above: the other way round the
-    rounding of what is large would be all there is of the small coefficients.
+    Coefficients above the term that is the largest at q from the top, those below it from the
+    bottom: either way through, the rounding of what is large would be all of what is small.
+    Source: G. Peters, J. H. Wilkinson, Practical problems arising in the solution of polynomial
+    equations, J. Inst. Maths Applics 8, 1971 (composite deflation).
     """
-    out, other = np.zeros_like(a), np.zeros_like(a)
+    n = len(a) - 1
+    down, up = np.zeros_like(a), np.zeros_like(a)
     carry, carried = np.zeros(a.shape[1]), np.zeros(a.shape[1])
-    part = 1 / np.where(q > 1, q, 1.0)
-    for k in range(len(a) - 1, 0, -1):
-        carry = a[k] + q * carry
-        out[k - 1] = carry
-        j = len(a) - 1 - k
-        carried = (carried - a[j]) * part
-        other[j] = carried
-    return np.where(q > 1, other, out)
+    with np.errstate(all="ignore"):  # where q is 0 or no number what is made is not taken
+        part = 1 / q
+        for k in range(n, 0, -1):
+            carry = a[k] + q * carry
+            down[k - 1] = carry
+            carried = (carried - a[n - k]) * part
+            up[n - k] = carried
+        power = np.arange(n + 1)[:, None]
+        largest = np.argmax(np.log(np.abs(a)) + power * np.log(q), axis=0)
+    return np.where(power < largest, up, down)
 
 
 def _shorter(rest: Array, q: Array) -> Array:

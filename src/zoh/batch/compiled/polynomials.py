@@ -195,21 +195,26 @@ def of_quadratic(a: Array, roots: Array, low: float, high: float) -> int:
 def without(a: Array, n: int, q: float, out: Array) -> None:
     """Write a/(x - q), its remainder dropped, of degree n - 1; ``out`` may be a itself.
 
-    From the bottom where q is above 1; see ``zoh.batch.arrays.peaks``.
+    From the top down to the term that is the largest at q, and from the bottom up to it; see
+    ``zoh.batch.arrays.peaks``.
     """
+    largest, most, power = 0, -1.0, 1.0
+    for k in range(n + 1):
+        size = abs(a[k]) * power
+        if size > most:
+            largest, most = k, size
+        power *= q
     carry = 0.0
-    if q > 1.0:
-        for k in range(n):
-            carry = (carry - a[k]) / q
-            out[k] = carry
-        out[n] = 0.0
-        return
-    for k in range(n, 0, -1):
+    for k in range(n, largest, -1):
         carry = a[k] + q * carry
         out[k] = carry
-    for k in range(n):
+    for k in range(largest, n):
         out[k] = out[k + 1]
     out[n] = 0.0
+    carry = 0.0
+    for k in range(largest):
+        carry = (carry - a[k]) / q
+        out[k] = carry
 
 
 def work() -> Array:
