@@ -52,8 +52,8 @@ class Requirements:
     ms              largest peak of the sensitivity |1/(1 + L)| allowed
     mt              largest peak of |L/(1 + L)| allowed
     overshoot_pct   %, largest overshoot allowed, between the samples too
-    rise_time       s, largest 10 to 90 % rise time allowed, at the samples; of a jump from one to the
-                    next, between them
+    rise_time       s, largest 10 to 90 % rise time allowed, at the samples; of a jump from one to
+                    the next, between them
     settling_time   s, largest 2 % settling time allowed, at the samples
     steady_state_error  largest size of the error at rest allowed, in the reference's units
     peak_effort     largest |u| allowed, in input units
