@@ -138,18 +138,58 @@ def _solved(
             yield (free * zero / pole, free / pole), (1.0, 1 / pole)
 
 
+@dataclass(frozen=True)
+class Glance:
+    """What a plant and what is asked show of a rival at some frequencies, before it is measured.
+
+    s, plant  points of the w-plane and the plant there;  first  the index of the fastest crossover
+              that is no win;  clear  the plant's polynomials in w, None where it is late
+    """
+
+    s: np.ndarray
+    plant: np.ndarray
+    first: int
+    clear: tuple[tuple[float, ...], tuple[float, ...]] | None
+    asked: Requirements
+
+    @classmethod
+    def of(cls, sampled: zoh.Sampled, wc: float, asked: Requirements) -> "Glance":
+        """Return the frequencies: a coarse look below wc, a fine one above."""
+        below, above = np.geomspace(wc / 300, wc, 150)[:-1], np.geomspace(wc, pi / sampled.dt, 400)
+        w = np.concatenate([below, above])
+        s, plant = 1j * 2 / sampled.dt * np.tan(w * sampled.dt / 2), sampled.at(w)
+        clear = None if sampled.delay else (sampled.num_w, sampled.den_w)
+        return cls(s=s, plant=plant, first=len(below), clear=clear, asked=asked)
+
+    def hopeless(self, num: tuple[float, ...], den: tuple[float, ...]) -> bool:
+        """Return whether the rival is no faster, unstable, or over its Ms, by what is seen alone.
+
+        An Ms seen at some frequencies is never larger than Ms itself; a pole counts as unstable
+        where rounding cannot have moved it across.
+        """
+        loop = np.polyval(num, self.s) / np.polyval(den, self.s) * self.plant
+        size = np.abs(loop[self.first :])
+        if not size[0] > 1 or not size[1:].min() < 1:
+            return True
+        if self.asked.ms is not None and 1 / np.abs(1 + loop).min() > self.asked.ms * (1 + 1e-9):
+            return True
+        if self.clear is None:
+            return False
+        closed = np.polyadd(np.polymul(num, self.clear[0]), np.polymul(den, self.clear[1]))
+        roots = np.roots(closed)
+        return bool((roots.real > 1e-3 * np.abs(roots)).any())
+
+
 def beaten(
     task: Task, found: zoh.Verified, asked: Requirements, random: Random, tries: int,
     others: Iterable[tuple[tuple[float, ...], tuple[float, ...]]] = (),
 ) -> zoh.Measured | None:  # fmt: skip
     """Return the fastest rival, ``others`` among them, that meets everything; None without one."""
     wc = found.margins.crossover
-    w = np.geomspace(wc * FASTER, pi / task.dt, 400)
-    s, plant = 1j * 2 / task.dt * np.tan(w * task.dt / 2), found.sampled.at(w)
+    glance = Glance.of(found.sampled, wc * FASTER, asked)
     best = None
     for num, den in chain(others, rivals(task, found, random, tries)):
-        loop = np.abs(np.polyval(num, s) / np.polyval(den, s) * plant)
-        if not loop[0] > 1 or not loop[1:].min() < 1:
+        if glance.hopeless(num, den):
             continue
         rival = zoh.Sampled.from_w(num_w=num, den_w=den, dt=task.dt)
         margins = zoh.margins(rival * found.sampled)

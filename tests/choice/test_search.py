@@ -3,10 +3,11 @@
 from contextlib import suppress
 from math import asin, pi, sin
 from random import Random
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from benchmarks.choice.attack import beaten, drawn
+from benchmarks.choice.attack import FASTER, Glance, beaten, drawn, gridded
 
 import zoh
 from zoh.choice.climb import HighEnough, climb, grid, tops
@@ -156,6 +157,26 @@ def test_random_controllers_do_not_beat_a_choice(seed):
     with suppress(zoh.Infeasible):
         found = zoh.design(task.plant, task.law, {}, dt=task.dt, requirements=task.asked)
         assert beaten(task, found, found.requirements, Random(seed), 120) is None
+
+
+def test_a_glance_at_a_rival_condemns_none_that_measuring_would_not():
+    tried = spared = 0
+    for seed in (100_003, 100_004):
+        task = drawn(Random(seed))
+        found = zoh.design(task.plant, task.law, {}, dt=task.dt, requirements=task.asked)
+        # half as fast, so that some rivals do win
+        wc = found.margins.crossover / 2
+        slower = SimpleNamespace(margins=SimpleNamespace(crossover=wc), sampled=found.sampled)
+        glance = Glance.of(found.sampled, wc * FASTER, found.requirements)
+        for num, den in list(gridded(task, slower))[::11]:
+            rival = zoh.Sampled.from_w(num_w=num, den_w=den, dt=task.dt)
+            margins = zoh.margins(rival * found.sampled)
+            wins = margins.stable and (margins.crossover or 0) >= wc * FASTER
+            wins = wins and zoh.measure(task.plant, rival, requirements=found.requirements).met
+            tried, spared = tried + 1, spared + wins
+            assert not (wins and glance.hopeless(num, den))
+    assert tried > 50
+    assert spared > 5  # or nothing would have been shown
 
 
 def test_a_p_with_its_margin_given_is_tried_first():
