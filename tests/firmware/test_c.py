@@ -239,7 +239,9 @@ def test_the_hash_follows_every_part_of_a_design():
     assert len({p.sha256 for p in plans}) == len(plans)
 
 
-@pytest.mark.parametrize("name", ["", "9x", "a b", "int", "class", "x" * 32, "é", 3])
+@pytest.mark.parametrize(
+    "name", ["", "9x", "a b", "int", "class", "x" * 32, "é", 3, "main", "Arduino"]
+)
 def test_a_name_that_c_does_not_take_is_refused(name):
     with pytest.raises(zoh.SpecError, match="name must be"):
         made("p", "f32", name=name)

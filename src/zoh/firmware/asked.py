@@ -29,7 +29,7 @@ KEYWORDS = (
 HEADERS = (  # a header of this name beside the source would be found in the place of C's
     "assert complex ctype errno fenv inttypes iso646 limits locale math setjmp signal stdalign "
     "stdarg stdatomic stdbool stddef stdint stdio stdlib stdnoreturn string tgmath threads time "
-    "uchar wchar wctype"
+    "uchar wchar wctype main arduino"  # and the boards' own
 ).split()
 TAKEN = frozenset({*KEYWORDS, *HEADERS})
 
@@ -164,7 +164,8 @@ def asked(
 
 def _identifier(name: object) -> str:
     text = checks.text("name", name)
-    if not fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,30}", text) or text in TAKEN:
+    taken = text in TAKEN or text.lower() in HEADERS  # in file names capitals may not count
+    if not fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,30}", text) or taken:
         raise SpecError(
             "name",
             "must be a C identifier of 31 characters or fewer, no word or header of C's",
