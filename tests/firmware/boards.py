@@ -12,7 +12,8 @@ void loop(void);
 """
 HAL = """\
 #include <stdint.h>
-typedef struct { uint32_t CR1; } TIM_TypeDef;
+typedef struct { volatile uint32_t CR1, CNT; } TIM_TypeDef;
+#define __HAL_TIM_GET_COUNTER(htim) ((htim)->Instance->CNT)
 typedef struct { TIM_TypeDef *Instance; } TIM_HandleTypeDef;
 typedef struct { uint32_t State; } ADC_HandleTypeDef;
 typedef struct { uint32_t State; } DAC_HandleTypeDef;

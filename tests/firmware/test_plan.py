@@ -246,6 +246,31 @@ def test_limits_that_the_format_cannot_tell_apart_or_hold_are_refused():
         plan(pi, u_min=0.1, u_max=0.1 + 1e-10)
 
 
+def test_what_was_asked_for_and_is_not_built_is_said():
+    for wanted in ("tracking", "conditional", "back_calculation"):
+        said = made("lag", "f32", realisation="pid", anti_windup=wanted).said
+        assert f"anti-windup: none, for no state of this form hears of a limit ({wanted} was " in (
+            " ".join(said)
+        )
+    assert "hears of a limit" in " ".join(made("lag", "f32", realisation="pid").said)
+    assert "was asked" not in " ".join(made("pid", "f32", anti_windup="none").said)
+    held = made("pid", "q15", u_max=0.001, u_range=(-12, 12))
+    assert "u_max: 2 steps, 0.000732422, 27 % inside what was asked" in held.said
+    text = emit(held)["ctl.h"]
+    assert "u_min -12 (where its numbers end), u_max 0.000732421875\n" in text
+    assert "inside" not in " ".join(made("pid", "q15").said)
+
+
+def test_a_form_that_cannot_hold_an_output_says_so():
+    jumps, holds = made("lag", "f32", realisation="pid"), made("lag", "f32", realisation="cascade")
+    assert not jumps.holds_u
+    assert "track: has no integral that could hold u_manual" in " ".join(jumps.said)
+    assert "the step after it may jump" in emit(jumps)["ctl.h"]
+    assert holds.holds_u
+    assert made("pid", "f32").holds_u
+    assert "may jump" not in " ".join(holds.said) + emit(holds)["ctl.h"]
+
+
 def test_weights_of_an_integral_alone_and_of_two_filters():
     integral = zoh.verify(LAG, zoh.Sampled(num=[0.1, 0.1], den=[1.0, -1.0], dt=0.1))  # kp = ki/2
     assert plan(integral, setpoint_weight=0.5).quantised.setpoint_weight == 1.0

@@ -4,16 +4,18 @@ import ctypes
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from boards import ARDUINO, HAL
 from designs import design, made
-from host import STRICT
+from host import STRICT, compiled, compilers
 
 import zoh
 from zoh.firmware import toolchain
 from zoh.firmware.equality import Build, Equality
 from zoh.firmware.export import export, texts
 from zoh.firmware.lines import NUMBERS
+from zoh.firmware.model import Model
 
 pytest.importorskip("ziglang")
 
@@ -82,6 +84,64 @@ def test_one_sided_ranges_and_limits_are_what_the_converters_span(number, held, 
     assert [y(c) for c in (0, 2048, 3072)] == [0, one // 2, one * 3 // 4]
     u = _converted(tmp_path / "u", number, "driven", held, ctypes.c_int32, **ends)
     assert [u(c) for c in (0, one // 8, one // 4, one // 2)] == [0, 1024, 2048, 4095]
+
+
+BOARD = """
+#include <stdint.h>
+extern "C" {{ {source} }}
+static uint32_t now; static int put; static uint32_t at; static int reads;
+#define A0 14
+#define A1 15
+static int analogRead(uint8_t pin) {{
+    reads++; return pin == A0 ? 700 : 700 - 9 * (reads / 2 % 4);
+}}
+static void analogWrite(uint8_t, int value) {{ put = value; at = now; }}
+static unsigned long micros(void) {{ return now += 10; }}
+{sketch}
+extern "C" void run(int periods, int *values, int *times) {{
+    setup();
+    for (int k = 0; k < periods;) {{
+        const int before = reads;
+        loop();
+        if (reads > before) {{ values[k] = put; times[k] = (int)at; k++; }}
+    }}
+}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("delay", "samples", "wait"),
+    [(0.0, 0, 0), (0.03, 0, 30_000), (0.1, 1, 0), (0.25, 2, 50_000), (0.3, 3, 0)],
+)
+def test_an_example_puts_out_when_the_design_counts_it_to(delay, samples, wait, tmp_path):
+    arm = zoh.Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
+    verified = zoh.pid(arm, dt=0.1, wc=1.0, pm_deg=40, ki=0.2, compute_delay=delay)
+    plan = zoh.plan(verified, name="ctl", u_min=-40, u_max=40, y_range=(0, 12))
+    files = export(plan)
+    source, sketch = (
+        re.sub(r'#include "ctl.h"', "", files[name]) for name in ("ctl.c", "ctl_arduino.ino")
+    )
+    text = BOARD.format(source=files["ctl.h"] + source, sketch=sketch)
+    (tmp_path / "board.cpp").write_text(text)
+    library = tmp_path / "board.so"
+    compiled(
+        compilers()[-1], tmp_path / "board.cpp", "-O1", "-x", "c++", "-std=c++17", "-shared",
+        "-fPIC", "-o", str(library),
+    )  # fmt: skip
+    board, count = ctypes.CDLL(str(library)), 8
+    values, times = ((ctypes.c_int * count)() for _ in range(2))
+    board.run(count, values, times)
+    model, y_step = Model(plan), np.float32(12) / np.float32(1024)
+    counts = [(700, 700 - 9 * (k % 4)) for k in range(count)]
+    read = [[float(np.float32(c) * y_step) for c in pair] for pair in counts]
+    us = [0.0] * samples + [float(model.step(r, y)) for r, y in read]
+    wanted = [int(255 * min(1.0, max(0.0, (u + 40) / 80)) + 0.5) for u in us[:count]]
+    # 1: where a count is rounded half-way
+    assert list(values) == pytest.approx(wanted, abs=1)
+    assert len(set(wanted)) > 3
+    # 10 us a look at the clock; the first period begins with the first look
+    for k, found in enumerate(times):
+        assert 0 <= found - wait - 100_000 * k <= 60
 
 
 def test_a_clock_that_no_counter_of_microseconds_keeps_has_no_examples():

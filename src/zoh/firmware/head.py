@@ -122,7 +122,8 @@ def _rounding(plan: Plan) -> str:
 
 def _numbers(plan: Plan) -> list[str]:
     f = plan.features
-    each = [_limit("u_min", f.u_min), _limit("u_max", f.u_max), _limit("rate", f.change)]
+    each = [_limit(plan, "u_min"), _limit(plan, "u_max")]
+    each += ["" if f.change is None else f"at most {float(f.change):.9g} a sample"]
     limits = ", ".join(x for x in each if x) or "no limits"
     if plan.number not in IO_BITS:
         return [
@@ -143,11 +144,16 @@ def _numbers(plan: Plan) -> list[str]:
     ]
 
 
-def _limit(name: str, value: Fraction | None) -> str:
-    if value is None:
+def _limit(plan: Plan, name: str) -> str:
+    """Return a limit as it is built; one that is where the numbers end is said to be."""
+    asked: Fraction | None = getattr(plan.features, name)
+    if asked is None:
         return ""
-    shown = f"{float(value):.9g}"
-    return f"{name} {shown}" if name != "rate" else f"at most {shown} a sample"
+    built, form = plan.program.value(name), plan.format
+    if not form.whole:
+        return f"{name} {built:.9g}"
+    ends = " (where its numbers end)" if built in (form.least, form.most) else ""
+    return f"{name} {float(built * form.u_unit):.9g}{ends}"
 
 
 def _use(plan: Plan) -> list[str]:
@@ -155,6 +161,11 @@ def _use(plan: Plan) -> list[str]:
     return [
         f"use      {n}_init once; {n}_step every dt with reference, measurement and a feed-",
         f"         forward, 0 where there is none; {n}_track instead while another sets u;",
+        *(
+            []
+            if plan.holds_u
+            else ["         the step after it may jump: no integral could hold u;"]
+        ),
         f"         {n}_selftest is 0 if compiler and processor compute what was verified",
     ]
 

@@ -123,6 +123,8 @@ def _times_unit(row: list[Fraction], unit: int) -> list[int]:
 
 def _row(program: Program, line: Line, found: Mapping[str, Row]) -> Row:
     a = found[line.args[0]]
+    if line.op == "asr" and not a:
+        return {}  # of nothing a floor leaves nothing
     if line.op == "asr":
         return _plus(_times(a, Fraction(1, 1 << line.shift)), {left(line): -1})
     if line.op == "low":

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 from zoh.firmware.book import Book, bounded, finished, limited
 from zoh.firmware.lines import ZERO, Program, Routine, Writer
-from zoh.firmware.pid_shape import PidShape
+from zoh.firmware.pid_shape import FED_BACK, PidShape
 from zoh.firmware.realise import Filter
 
 _STEP, _TRACK, _RESET = ("r", "y", "ff"), ("r", "y", "ff", "u_manual"), ("u0",)
@@ -126,7 +126,7 @@ class PidStep(PidShape):
         if self.features.limited and how == "conditional":
             over = w.sub("over", v, u, "what a limit took away")
             x = w.unless("x_on", over, move, "x", x, "not further into a limit", "integral")
-        if self.features.limited and how in ("back_calculation", "tracking"):
+        if self.features.limited and how in FED_BACK:
             x = w.add("x_back", x, self._fed_back(w, book, v, u), "", "integral")
         return [("x", self._x_bounded(w, book, x)), *rest]
 
@@ -134,14 +134,10 @@ class PidStep(PidShape):
         missing = w.sub("missing", u, v, "minus what a limit took away")
         if self.features.back == 1 and not self.whole:
             return missing
-        if self.whole:
-            span = self.format.most - self.format.least
-            high = book.fixed("span", span, "all of u's range")
-            low = book.fixed("minus_span", -span, "minus all of u's range")
-            top = w.atmost("missing_top", missing, high)
-            missing = w.atleast("missing_in", top, low, "at most a span")
-        point = self.points["integral"]
+        coarser = self.back_coarser
+        point = self.points["integral"] + coarser
         back = book.gain("back", self.features.back, "share that is fed back in a sample", point)
+        missing = w.down("missing_of", missing, coarser, "so that the share has digits")
         return w.mul("x_fed", back, missing, "fed back", "integral")
 
     def _x_bounded(self, w: Writer, book: Book, x: str) -> str:

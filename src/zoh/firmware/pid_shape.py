@@ -3,12 +3,14 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from math import ceil
+from math import ceil, floor
 from typing import Self
 
 from zoh.firmware.book import Features, Format
 from zoh.firmware.lines import State
 from zoh.firmware.realise import Filter, Parallel
+
+FED_BACK = ("back_calculation", "tracking")  # a share of what a limit took, or all of it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,6 +60,17 @@ class PidShape:
     def ki_finer(self) -> int:
         """Return by how many bits ki is finer than the integral that it moves."""
         return self._finer(abs(self.law.ki * self.format.gain), "integral", "ki")
+
+    @property
+    def back_coarser(self) -> int:
+        """Return the bits of what a limit took that are left out for digits of the share fed back.
+
+        Nothing is left out of nothing: where no limit is reached nothing is fed back.
+        """
+        if not self.whole or self.features.back == 1:
+            return 0
+        held = self.features.back * (1 << self.points["integral"])
+        return max(0, self.format.word // 4 - floor(held).bit_length())
 
     def alpha_finer(self, tail: str, part: Filter) -> int:
         """Return by how many bits alpha is finer than the filter that it moves."""
@@ -114,12 +127,25 @@ class PidShape:
     def x_range(self) -> tuple[int, int]:
         """Return the bounds of the integral in steps of u: any u less any ff and any kr r - kp y.
 
-        So wide that ``track`` can hold every output under every r and y.
+        So wide that ``track`` can hold every output under every r and y. Where what a limit takes
+        is fed back, so wide that it is never cut: with a share b, |x| <= M gives (1 - b) M + b (all
+        that u, ff and the other parts can be) + |ki e|, which is M again.
         """
         law, f = self.law, self.format
         on_r = (law.kp - law.ki / 2) * self.features.r_weight + law.ki / 2
-        pad = ceil((abs(on_r) + abs(law.kp)) * f.gain * -f.least) - f.least
+        rest = (abs(on_r) + abs(law.kp)) * f.gain * -f.least
+        if self.features.limited and self.features.anti_windup in FED_BACK:
+            rest += sum(self._most_of(tail, part) for tail, part in self.filters)
+            rest += 2 * abs(law.ki) * f.gain * -f.least / self.features.back
+        pad = ceil(rest) - f.least
         return f.least - pad, f.most + pad
+
+    def _most_of(self, tail: str, part: Filter) -> Fraction:
+        """Return the largest size of a filter's share in steps of u."""
+        seen = (1 + self.features.d_weight) * -self.format.least
+        point = self.points[f"filter{tail}"]
+        kept = max(abs(end) >> point for end in self._filter_ends(tail, part)) + 1
+        return abs(part.kd) * self.format.gain * (seen + kept)
 
     def x_ends(self) -> tuple[int, int]:
         """Return the same at the integral's binary point."""

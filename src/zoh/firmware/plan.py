@@ -66,6 +66,11 @@ class Plan:
         return self.program.coefficients
 
     @property
+    def holds_u(self) -> bool:
+        """Return whether ``track`` can hold any output: all but parallel forms without integral."""
+        return _holds_u(self.realisation, self.program)
+
+    @property
     def pm_loss_deg(self) -> float:
         """Return by how many degrees rounding the coefficients has moved the phase margin."""
         a, b = self.design.margins.phase_margin_deg, self.quantised.margins.phase_margin_deg
@@ -161,7 +166,10 @@ def _planned(request: Asked, number: Number, most: float, before: tuple[str, ...
         name=request.name, number=number, realisation=chosen.realisation, dt=chosen.design.dt,
         design=chosen.design, quantised=chosen.quantised, program=chosen.program,
         ranges=chosen.ranges, features=step.features, format=step.format, y_range=request.y_range,
-        said=(*before, why, *others, *_windup(chosen), *_slower(chosen)),
+        said=(
+            *before, why, *others, *_windup(chosen, request), *_handed_over(chosen),
+            *_slower(chosen), *_inside(chosen, request),
+        ),
     )  # fmt: skip
 
 
@@ -174,13 +182,27 @@ def _kept(found: Built, most: float) -> Built:
     return found
 
 
-def _windup(made: Built) -> tuple[str, ...]:
-    how = made.step.features.anti_windup
+def _windup(made: Built, request: Asked) -> tuple[str, ...]:
+    how, wanted = made.step.features.anti_windup, request.anti_windup
     if not made.step.features.limited:
         return ("anti-windup: none, for nothing limits u",)
+    if how == "none" and wanted != "none":
+        asked_for = "" if wanted == "auto" else f" ({wanted} was asked for)"
+        return (f"anti-windup: none, for no state of this form hears of a limit{asked_for}",)
     if how == "tracking" and made.realisation != "pid":
         return ("anti-windup: the last section is told the limited output",)
     return (f"anti-windup: {how}",)
+
+
+def _holds_u(realisation: str, program: Program) -> bool:
+    return realisation != "pid" or any(s.name == "x" for s in program.states)
+
+
+def _handed_over(made: Built) -> tuple[str, ...]:
+    """Return that a law in parallel form that does not integrate cannot hold an output."""
+    if _holds_u(made.realisation, made.program):
+        return ()
+    return ("track: has no integral that could hold u_manual; the step that follows may jump",)
 
 
 def _slower(made: Built) -> tuple[str, ...]:
@@ -192,6 +214,19 @@ def _slower(made: Built) -> tuple[str, ...]:
     lost = float(100 * (1 - steps * form.u_unit / change))
     said = f"rate: {steps} steps a sample, {lost:.2g} % less than asked"
     return (said,) if lost > _LOST_PCT else ()
+
+
+def _inside(made: Built, request: Asked) -> tuple[str, ...]:
+    """Return by how much limits in whole steps are inside those asked for, where it matters."""
+    said = []
+    for name in ("u_min", "u_max") if made.step.format.whole else ():
+        bound = getattr(request, name)
+        steps = made.program.value(name)
+        held = float(steps * made.step.format.u_unit)
+        if bound and abs(held - bound) > _LOST_PCT / 100 * abs(bound):
+            lost = 100 * (1 - held / bound)
+            said.append(f"{name}: {steps} steps, {held:.6g}, {lost:.2g} % inside what was asked")
+    return tuple(said)
 
 
 def _plant_of(design: Design) -> list[object]:

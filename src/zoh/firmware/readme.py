@@ -34,8 +34,8 @@ void every_dt(void) /* the timer's interrupt, every {dt:.9g} s */
 Measure, step and put the output out in this order: the design counts {delay:.9g} s from measuring
 to putting out. While a person or another program sets the output, call
 `{name}_track(&controller, r, y, ff, u)` in the place of the step, every sample, and the step that
-follows takes over without a jump. `{name}_reset(&controller, u)` sets it to rest at u. One state
-per loop; there is nothing else that is kept.
+follows takes over without a jump, unless something else is said of track above.
+`{name}_reset(&controller, u)` sets it to rest at u. One state per loop; nothing else is kept.
 
 `*_arduino.ino` and `*_stm32.c` do the same on a board, what must be fitted to it marked YOURS; they
 are no part of the controller. Build it with any C99 or C++17 compiler and any optimisation but

@@ -4,6 +4,8 @@ Both are examples that compile as they stand. What a board must be told, which p
 of a converter is which value, is marked in them. They keep time in whole microseconds.
 """
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
@@ -11,7 +13,10 @@ import numpy as np
 from zoh.firmware.book import IO_BITS
 from zoh.firmware.plan import Plan
 from zoh.firmware.words import float_literal, result_type
+from zoh.sampling.hold import whole_samples
 
+_SAYS = "the design counts {:.9g} s from measuring to putting out"
+_DAC = "&hdac, DAC_CHANNEL_1, DAC_ALIGN_12B_R"
 _OFF = 1e-3  # of a period: by more the clock of an example may not be off
 
 _SKETCH = """\
@@ -26,7 +31,7 @@ static const uint32_t PERIOD_US = {period}UL; /* {name_upper}_DT */
 
 static {name}_state controller;
 static uint32_t due;
-
+{kept}
 {conversions}
 void setup(void)
 {{
@@ -44,16 +49,16 @@ void loop(void)
         return;
     }}
     due += PERIOD_US;
-    const {kind} y = measured(analogRead(MEASUREMENT_PIN));
+{before}    const {kind} y = measured(analogRead(MEASUREMENT_PIN));
     const {kind} r = measured(analogRead(REFERENCE_PIN));
-    analogWrite(OUTPUT_PIN, driven({name}_step(&controller, r, y, {zero})));
-}}
+    const {kind} u = {name}_step(&controller, r, y, {zero});
+{after}}}
 """
 
 _HAL = """\
-/* {name}_stm32.c: {name} in a timer's interrupt, for a project made by STM32CubeMX. Set a basic
- * timer to {period} us, one converter to 12 bits, one output to 12 bits. Look through what is
- * marked YOURS. */
+/* {name}_stm32.c: {name} in a timer's interrupt, for a project made by STM32CubeMX. Set a timer
+ * that counts microseconds to {period} of them, one converter and one output to 12 bits. Look
+ * through what is marked YOURS. */
 #include "main.h"
 #include "{name}.h"
 
@@ -65,7 +70,7 @@ void {name}_start(void);
 
 volatile {kind} {name}_reference = {zero}; /* set by the rest of the program */
 static {name}_state controller;
-
+{kept}
 {conversions}
 /* Call this once, after CubeMX has set everything up. */
 void {name}_start(void)
@@ -81,12 +86,11 @@ void {name}_start(void)
 void HAL_TIM_PeriodElapsedCallback(TIM_HandleTypeDef *htim)
 {{
     if (htim->Instance == TIM6) {{
-        (void)HAL_ADC_Start(&hadc1);
+{before}        (void)HAL_ADC_Start(&hadc1);
         (void)HAL_ADC_PollForConversion(&hadc1, 1U);
         const {kind} y = measured((int32_t)HAL_ADC_GetValue(&hadc1));
         const {kind} u = {name}_step(&controller, {name}_reference, y, {zero});
-        (void)HAL_DAC_SetValue(&hdac, DAC_CHANNEL_1, DAC_ALIGN_12B_R, (uint32_t)driven(u));
-    }}
+{after}    }}
 }}
 """
 
@@ -94,13 +98,63 @@ void HAL_TIM_PeriodElapsedCallback(TIM_HandleTypeDef *htim)
 def arduino(plan: Plan) -> str:
     """Return a sketch for a board with a converter of 10 bits and pulses of 8."""
     conversions = _measured(plan, 10, "int") + "\n" + _driven(plan, 8, "int")
-    return _SKETCH.format(**_words(plan), conversions=conversions)
+    put_out = _PutOut(
+        write="analogWrite(OUTPUT_PIN, driven({}));",
+        since="(uint32_t)(micros() - (due - PERIOD_US))", indent=4,
+    )  # fmt: skip
+    return _SKETCH.format(**_words(plan), **put_out.words(plan), conversions=conversions)
 
 
 def stm32(plan: Plan) -> str:
     """Return a timer's interrupt for the STM32 HAL, converters of 12 bits."""
     conversions = _measured(plan, 12, "int32_t") + "\n" + _driven(plan, 12, "int32_t")
-    return _HAL.format(**_words(plan), conversions=conversions)
+    put_out = _PutOut(
+        write=f"(void)HAL_DAC_SetValue({_DAC}, (uint32_t)driven({{}}));",
+        since="__HAL_TIM_GET_COUNTER(htim)", indent=8,
+    )  # fmt: skip
+    return _HAL.format(**_words(plan), **put_out.words(plan), conversions=conversions)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _PutOut:
+    """How an output is put out when the design counts it to be: samples and a part of one later.
+
+    write  the statement, {} in it for u;  since  us since the measurement;  indent  of the lines
+    """
+
+    write: str
+    since: str
+    indent: int
+
+    def words(self, plan: Plan) -> dict[str, str]:
+        """Return what is kept, and what is done before the measurement and after the step."""
+        delay, kind = plan.design.compute_delay, result_type(plan.number)
+        late, early = whole_samples(0.0, delay, plan.dt)
+        samples = late - 1 if early else late
+        wait = round((delay - samples * plan.dt) * 1e6) if early else 0
+        then = self.write.format("pending[0]" if samples else "u")
+        kept = [f"/* {_SAYS.format(delay)}. */"] if delay else []
+        kept += [f"static {kind} pending[{samples}]; /* outputs on their way */"] if samples else []
+        kept += [f"static const uint32_t WAIT_US = {wait}UL;"] if wait else []
+        waits = [f"while ({self.since} < WAIT_US) {{", "}"] if wait else []
+        at_once = bool(samples and not wait)  # before a new measurement
+        return {
+            "kept": "".join(f"{line}\n" for line in kept),
+            "before": self._set([then]) if at_once else "",
+            "after": self._set([*waits, *([] if at_once else [then]), *_moved(samples)]),
+        }
+
+    def _set(self, lines: Sequence[str]) -> str:
+        return "".join(f"{' ' * self.indent}{line}\n" for line in lines)
+
+
+def _moved(samples: int) -> list[str]:
+    """Return the lines that move the outputs on their way by one sample."""
+    if samples < 2:
+        return ["pending[0] = u;"] * samples
+    last = samples - 1
+    loop = f"for (uint32_t k = 0U; k < {last}U; k++) {{"
+    return [loop, "    pending[k] = pending[k + 1U];", "}", f"pending[{last}] = u;"]
 
 
 def examples(plan: Plan) -> dict[str, str]:
@@ -162,8 +216,9 @@ def _driven(plan: Plan, bits: int, count: str) -> str:
             f"static const {wide} U_LOW = {_whole(low)};\n"
             f"static const {wide} U_HIGH = {_whole(high)};\n\n"
             f"{function}    const {wide} span = U_HIGH - U_LOW;\n"
-            f"    return ({count})((((({wide})u - U_LOW) * {most}) + (span / 2)) / span);\n"
-            "}\n"
+            f"    const {wide} share = (((({wide})u - U_LOW) * {most}) + (span / 2)) / span;\n"
+            f"    const {wide} kept = (share > {most}) ? {most} : share;\n"
+            f"    return (kept > 0) ? ({count})kept : 0;\n}}\n"
         )
     ends = (plan.features.u_min, plan.features.u_max)
     shut, full = (d if e is None else float(e) for d, e in zip((-1.0, 1.0), ends, strict=True))
