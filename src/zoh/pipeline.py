@@ -183,12 +183,12 @@ def _chosen(
         asked = {**found_for, **bench.weights, **under, "wc": wc}
         if under:
             del asked["ki"]
-        made = design(
+        found = design(
             bench.plant, chosen.law, asked, dt=dt, compute_delay=bench.compute_delay,
             requirements=asked_for, sections=sections, reference=bench.reference,
             name=bench.name, allow=sorted(words),
         )  # fmt: skip
-        return replace(made, allowed=bench.allowed)
+        return replace(found, allowed=bench.allowed)
 
     open_keys = tuple(k for k in chosen.choice.open if k != "ki" or not under)
     found = _at_the_edge(made, chosen.parameters["wc"], bool(under) and "wc" not in parameters)

@@ -10,6 +10,7 @@ sec. 4.2 (system type, and what the errors of a step add up to).
 from collections.abc import Mapping
 from math import nan, pi
 
+from zoh.choice.fastest import least_ms
 from zoh.choice.judge import Judge
 from zoh.lti.systems import Sampled
 
@@ -17,14 +18,11 @@ _INTEGRATES = ("pi", "pid")
 _ROUNDING = 1e-9  # relative: what misses by rounding alone is met
 
 
-def why_never(judge: Judge, law: str, given: Mapping[str, float], least_ms: float) -> str:
-    """Return why no loop of this law can meet everything asked; "" if one may.
-
-    least_ms  the least Ms of the margin that is given
-    """
+def why_never(judge: Judge, law: str, given: Mapping[str, float]) -> str:
+    """Return why no loop of this law can meet everything asked; "" if one may."""
     return (
         another_margin(judge, given)
-        or peaks_by_itself(judge, given, least_ms)
+        or peaks_by_itself(judge, given)
         or too_wide(judge)
         or never_at_rest(judge, law)
         or always_beyond(judge, law, given)
@@ -40,13 +38,16 @@ def another_margin(judge: Judge, given: Mapping[str, float]) -> str:
     return f"pm_deg must be at least {least:g}, and a margin of {given['pm_deg']:g} deg is asked"
 
 
-def peaks_by_itself(judge: Judge, given: Mapping[str, float], least_ms: float) -> str:
+def peaks_by_itself(judge: Judge, given: Mapping[str, float]) -> str:
     """Return why no loop of the margin given is under the peak allowed; "" if one may be."""
     most = judge.requirements.ms
-    if most is None or "pm_deg" not in given or least_ms <= most * (1 + _ROUNDING):
+    if most is None or "pm_deg" not in given:
+        return ""
+    least = least_ms(given["pm_deg"])
+    if least <= most * (1 + _ROUNDING):
         return ""
     margin = f"a margin of {given['pm_deg']:g} deg"
-    return f"ms must be at most {most:g}, and {margin} alone makes it {least_ms:.5g}"
+    return f"ms must be at most {most:g}, and {margin} alone makes it {least:.5g}"
 
 
 def too_wide(judge: Judge) -> str:

@@ -45,8 +45,7 @@ def choose(
     told = _said(assumed) if nothing else ()
     tried: list[_Tried] = []
     for name in FROM_THE_SIMPLEST if law == AUTO else (law,):
-        least = least_ms(given["pm_deg"]) if "pm_deg" in given else 1.0
-        why = why_never(judge, name, given, least)
+        why = why_never(judge, name, given)
         if why:
             tried.append(_Tried(law=name, why=why))
             continue

@@ -8,6 +8,7 @@ from zoh.choice.judge import slowest_zero
 from zoh.lti.systems import Sampled
 from zoh.lti.wplane import warp
 
+_CLEARLY = 0.999  # of the slowest zero that is chosen: at that end itself nothing is said
 _OF_ROBUSTNESS = ("pm_deg", "gain_margin_db", "delay_margin", "ms", "mt")
 
 
@@ -24,7 +25,8 @@ def notes(found: Verified, given: Mapping[str, float], fixed: Sampled | None) ->
             f"{margins.phase_margin_deg:.4g} deg, ms {margins.ms:.4g}"
         )
     slowest = slowest_zero(found.controller, fixed)
-    if margins.crossover and 0 < slowest < SLOWEST * warp(margins.crossover, found.controller.dt):
+    allowed = _CLEARLY * SLOWEST * warp(margins.crossover or 0.0, found.controller.dt)
+    if 0 < slowest < allowed:
         said.append(
             f"a zero of the controller, which what was given brings, is at {slowest:.4g} rad/s: "
             f"the loop creeps for some {1 / slowest:.3g} s behind a crossover at "
