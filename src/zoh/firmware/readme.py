@@ -32,7 +32,7 @@ void every_dt(void) /* the timer's interrupt, every {dt:.9g} s */
 ```
 
 Measure, step and put the output out in this order: the design counts {delay:.9g} s from measuring
-to putting out. While a person or another program sets the output, call
+to putting out, and the examples keep to that. While a person or another program sets u, call
 `{name}_track(&controller, r, y, ff, u)` in the place of the step, every sample, and the step that
 follows takes over without a jump, unless something else is said of track above.
 `{name}_reset(&controller, u)` sets it to rest at u. One state per loop; nothing else is kept.
