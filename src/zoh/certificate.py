@@ -12,7 +12,14 @@ from zoh.design import p as p_law
 from zoh.design.target import ABOVE, BELOW, Response, Target, nearest
 from zoh.errors import Infeasible, SpecError
 from zoh.lti.systems import Sampled
-from zoh.request import LAWS, NEGATIVE_GAINS, UNDER_MS, UNSTABLE_CONTROLLERS, bounded_ms
+from zoh.request import (
+    LAWS,
+    NEGATIVE_GAINS,
+    UNDER_MS,
+    UNSTABLE_CONTROLLERS,
+    Progress,
+    bounded_ms,
+)
 from zoh.solving import ELSEWHERE, UNSTABLE, elsewhere, solved
 from zoh.spec import Crossover
 
@@ -35,6 +42,7 @@ def least_turn(sampled: Sampled, pm_deg: float) -> float:
 def certified(
     refused: Infeasible, law: str, sampled: Sampled, spec: Crossover,
     parameters: Mapping[str, float], allow: frozenset[str] = frozenset(),
+    progress: Progress | None = None,
 ) -> Infeasible:  # fmt: skip
     """Return the refusal with where this law can, and which laws can here; all of it tried."""
     most = bounded_ms(parameters)
@@ -48,7 +56,7 @@ def certified(
             return f"{ELSEWHERE}, {'early' if pm_deg < 0 else 'late'}"  # as its phase is
         return "" if most == inf or glance(loop).ms <= most else "its Ms is above the bound"
 
-    told = advised(refused, law, sampled, spec, parameters, fails, allow)
+    told = advised(refused, law, sampled, spec, parameters, fails, allow, progress)
     if told.nearest_wc is not None or NEGATIVE_GAINS in allow:
         return told
     return told.because(backwards(sampled))
@@ -71,7 +79,7 @@ def backwards(sampled: Sampled) -> str:
 def advised(
     refused: Infeasible, law: str, sampled: Response, spec: Crossover,
     parameters: Mapping[str, float], fails: Callable[[Sampled, Crossover], str],
-    allow: frozenset[str] = frozenset(),
+    allow: frozenset[str] = frozenset(), progress: Progress | None = None,
 ) -> Infeasible:  # fmt: skip
     """Return the refusal with all that could be had instead.
 
@@ -80,6 +88,9 @@ def advised(
     wanted = {_AS_WELL.get(k, k): v for k, v in parameters.items()}
 
     def why_not(name: str, at: Crossover, also: frozenset[str] = allow) -> str:
+        if progress is not None:
+            what = f"{at.pm_deg:.4g} deg at {at.wc:.4g} rad/s"
+            progress(f"{law} cannot; is there a {name} of {what}?")
         try:
             given = {**_free(name, sampled, at), **wanted}
             found = solved(name, sampled, at, given, None, also)

@@ -37,7 +37,7 @@ TOLERANCE_DEG = 0.1  # by how much rounding the coefficients may move the phase 
 _LONGEST, _SHORTEST = 0.99, 1e-3  # of pi/wc, where the crossover is at Nyquist's frequency
 _POINTS = 31  # ten for a factor of 10
 _OF_THE_CLOCK = ("dt", "zeros_w0", "poles_w0")  # what is wrong at one sample time and not at others
-_HALVINGS = 30  # of the interval around the edge: 1e-9 of the distance between two points
+EDGE = 1e-9  # of the largest sample time, to which its edge is closed in on
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -100,7 +100,7 @@ def sample_times(
     plant: Plant, law: str, given: Mapping[str, float], *,
     requirements: Requirements = NOTHING_ASKED, compute_delay: float = 0.0,
     delay_samples: float = 0.0, dts: Sequence[float] | None = None,
-    sections: Sequence[SecondOrder] = (), reference: float = 1.0,
+    sections: Sequence[SecondOrder] = (), reference: float = 1.0, fine: float = EDGE,
 ) -> SampleTimes:  # fmt: skip
     """Return what each sample time costs, and the largest that meets the requirements.
 
@@ -108,6 +108,7 @@ def sample_times(
     sections, reference  likewise
     compute_delay  s, the same at every dt; delay_samples  dt, in samples, added to it
     dts            s, at least two; None looks at 31 from pi/wc/1000 to just below pi/wc
+    fine           of the largest, to which it is closed in on; a loop near its edge is slow to see
 
     A dt meets them where ``zoh.design`` returns a design; the step response is followed only where
     a requirement is about it. Raises SpecError for what no design function would take.
@@ -126,6 +127,7 @@ def sample_times(
     wait = checks.not_negative("compute_delay", compute_delay, "give seconds, 0 or more")
     samples = checks.not_negative("delay_samples", delay_samples, "give samples, 0 or more")
     grid = _grid(dts, wc)
+    checks.positive("fine", fine, "1e-7 gives six digits")
 
     asked = _Asked(
         plant=plant, law=law, given=known, requirements=requirements, sections=sections,
@@ -140,7 +142,7 @@ def sample_times(
     largest: float | None = grid[last] if last >= 0 else None
     limited_by = rows[0].failure if last < 0 else None
     if 0 <= last < len(grid) - 1:
-        largest, limited_by = _edge(tried, grid[last], grid[last + 1])
+        largest, limited_by = _edge(tried, grid[last], grid[last + 1], fine)
     return SampleTimes(
         rows=tuple(rows), largest=largest, limited_by=limited_by,
         gaps=tuple(row.dt for row in rows[: max(last, 0)] if row.failure is not None),
@@ -148,10 +150,9 @@ def sample_times(
     )  # fmt: skip
 
 
-def _edge(tried: Try, good: float, bad: float) -> tuple[float, str | None]:
+def _edge(tried: Try, good: float, bad: float, fine: float) -> tuple[float, str | None]:
     """Return the working end of the edge between two sample times, and what fails beyond it."""
-    for _ in range(_HALVINGS):
-        middle = (good + bad) / 2
+    while bad - good > fine * good and good < (middle := (good + bad) / 2) < bad:
         if tried(middle)[1] is None:
             good = middle
         else:

@@ -47,6 +47,9 @@ class Infeasible(ZohError):
                    request, None where there is none
     laws_that_can  the names of the laws that meet the request as it stands
 
+    Where something was left open all that is open was searched: there is no better margin to
+    name, nor a nearest crossover where wc itself was open.
+
     A law's own ``solve`` knows nothing of stability: its ``best_pm_deg`` is the end of the phases.
     """
 
@@ -110,16 +113,18 @@ class NotMet(ZohError):
     """A design, or a given controller, that fails its requirements.
 
     ``misses`` has one sentence for each requirement missed; ``measured`` is the evidence
-    (a ``zoh.analysis.verify.Measured``), so that what was found is not lost.
+    (a ``zoh.analysis.verify.Measured``), so that what was found is not lost; ``way_out`` says
+    what to ask for instead, "" where nothing is known.
     """
 
-    def __init__(self, misses: tuple[str, ...], measured: Any) -> None:
+    def __init__(self, misses: tuple[str, ...], measured: Any, way_out: str = "") -> None:
         self.misses = misses
         self.measured = measured
-        super().__init__("not met: " + "; ".join(misses))
+        self.way_out = way_out
+        super().__init__("not met: " + "; ".join([*misses, *([way_out] if way_out else [])]))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.misses, self.measured)
+        return type(self), (self.misses, self.measured, self.way_out)
 
 
 class Unequal(ZohError):

@@ -2,13 +2,12 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf
 from typing import overload
 
-from zoh.analysis.load_error import load_iae
 from zoh.analysis.tabled.verify import TableVerified
-from zoh.analysis.verify import NOTHING_ASKED, Verified, measure, verified
+from zoh.analysis.verify import NOTHING_ASKED, Verified
 from zoh.certificate import backwards, certified, least_turn
 from zoh.choice.choose import choose, nothing_asked
 from zoh.choice.judge import Judge
@@ -32,54 +31,16 @@ from zoh.request import (
     left_open,
 )
 from zoh.sampling.hold import sample
-from zoh.solving import SolvedLaw, by_gain_alone, negated, not_as_asked, opposite, solved
+from zoh.solving import SolvedLaw, by_gain_alone, negated, opposite, solved
 from zoh.spec import Crossover, Requirements
 from zoh.table_design import check_for_a_table, design_on_table
+from zoh.workbench import Bench
 
+_OPEN_IT = "leave wc out, and the fastest that meets everything is looked for"
 _BELOW_THE_EDGE, _LAST = (1.0, 0.9999, 0.999), 0.99  # of the fastest crossover
 
 Known = Plant | FrequencyResponse  # a plant as a model, or as the table of its response
 Design = Verified | TableVerified  # verified on the one, or on the other
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Bench:
-    """A plant with what is fixed in series, and everything that a solved law is measured by."""
-
-    plant: Plant
-    sampled: Sampled
-    fixed: Sampled | None
-    compute_delay: float
-    requirements: Requirements
-    reference: float
-    law: str
-    name: str | None
-    weights: Mapping[str, float]
-    allowed: tuple[str, ...]
-
-    def whole(self, law: Sampled) -> Sampled:
-        """Return the controller: the law with what is fixed."""
-        return law * self.fixed if self.fixed else law
-
-    def iae(self, law: Sampled) -> float:
-        """Return the absolute error after a load step."""
-        return load_iae(self.plant, self.whole(law), self.compute_delay)
-
-    def verified(self, found: SolvedLaw, spec: Crossover | None) -> Verified:
-        """Return the measured design; raise NotMet where it is not what was asked."""
-        evidence = measure(
-            self.plant, self.whole(found.controller), compute_delay=self.compute_delay,
-            requirements=self.requirements, reference=self.reference, law=self.law,
-            gains=found.gains, name=self.name, fixed=self.fixed, **self.weights,
-        )  # fmt: skip
-        evidence = replace(evidence, allowed=self.allowed) if self.allowed else evidence
-        off = not_as_asked(evidence.margins, spec)
-        if evidence.margins.stable is False and unstable_hidden(self.plant):
-            word = f'allow=["{CANCELLED_UNSTABLE_MODES}"]'
-            off = [f"the plant hides an unstable mode: {word} takes it out of the model"]
-        if off:
-            raise NotMet((*evidence.misses, *off), evidence)
-        return verified(evidence)
 
 
 @overload
@@ -106,7 +67,8 @@ def design(
 
     sections  fixed, in series with the law, which is solved on their product with the plant
     allow     what is refused otherwise, words of ``zoh.request.ALLOWABLE``
-    progress  called with a sentence now and then while something that was left open is searched
+    progress  called with a sentence now and then while something that was left open is searched,
+              or what could be had instead of what is refused
 
     Raises SpecError for an unknown law or parameter, one that is missing or out of range;
     Infeasible where the law cannot, with what could; NotMet where the loop is unstable, has a
@@ -121,12 +83,12 @@ def design(
         check_for_a_table(law, parameters, missing, words)
         return design_on_table(
             plant, law, parameters, dt=dt, compute_delay=compute_delay, fixed=fixed,
-            requirements=requirements, name=name, allow=words,
+            requirements=requirements, name=name, allow=words, progress=progress,
         )  # fmt: skip
     plant, cancelled = _cancelled(plant, words)
     sampled = sample(plant, dt, compute_delay)
     weights = {k: parameters.pop(k) for k in WEIGHTS if k in parameters}
-    bench = _Bench(
+    bench = Bench(
         plant=plant, sampled=fixed * sampled if fixed else sampled, fixed=fixed,
         compute_delay=compute_delay, requirements=_bounded(requirements, parameters),
         reference=reference, law=law, name=name, weights=weights,
@@ -137,24 +99,31 @@ def design(
     if missing:
         check_choosable(law, missing[0])
         return _chosen(bench, parameters, words, sections, progress)
-    return _solved(bench, parameters, words)
+    return _solved(bench, parameters, words, progress)
 
 
-def _solved(bench: _Bench, parameters: Mapping[str, float], allow: frozenset[str]) -> Verified:
+def _solved(
+    bench: Bench, parameters: Mapping[str, float], allow: frozenset[str],
+    progress: Progress | None,
+) -> Verified:  # fmt: skip
     """Return the design of a request that leaves nothing open."""
     rule = "pm_deg" not in parameters  # the textbook's rule takes no margin
     spec = Crossover(wc=parameters["wc"], pm_deg=parameters.get("pm_deg", 90.0))
     try:
         found = solved(bench.law, bench.sampled, spec, parameters, bench.iae, allow)
         return bench.verified(found, None if rule else spec)
+    except NotMet as short:
+        raise NotMet(short.misses, short.measured, "" if rule else _OPEN_IT) from None
     except Infeasible as refused:
         if rule:
             raise
-        raise certified(refused, bench.law, bench.sampled, spec, parameters, allow) from None
+        raise certified(
+            refused, bench.law, bench.sampled, spec, parameters, allow, progress
+        ) from None
 
 
 def _chosen(
-    bench: _Bench, parameters: Mapping[str, float], words: frozenset[str],
+    bench: Bench, parameters: Mapping[str, float], words: frozenset[str],
     sections: Sequence[SecondOrder], progress: Progress | None,
 ) -> Verified:  # fmt: skip
     """Return the design whose open parameters were chosen, measured anew.
@@ -191,7 +160,10 @@ def _chosen(
         return replace(found, allowed=bench.allowed)
 
     open_keys = tuple(k for k in chosen.choice.open if k != "ki" or not under)
-    found = _at_the_edge(made, chosen.parameters["wc"], bool(under) and "wc" not in parameters)
+    try:
+        found = _at_the_edge(made, chosen.parameters["wc"], bool(under) and "wc" not in parameters)
+    except NotMet as short:  # what it says to leave open is open
+        raise NotMet(short.misses, short.measured) from None
     choice = replace(chosen.choice, open=open_keys, notes=notes(found, parameters, bench.fixed))
     return replace(found, choice=choice)
 
@@ -204,7 +176,7 @@ def _at_the_edge(made: Callable[[float], Verified], wc: float, may_be_none: bool
     return made(_LAST * wc if may_be_none else wc)
 
 
-def _free_p(bench: _Bench, parameters: Mapping[str, float], allow: frozenset[str]) -> Verified:
+def _free_p(bench: Bench, parameters: Mapping[str, float], allow: frozenset[str]) -> Verified:
     """Return the P of a crossover alone, or of a margin alone: there the fastest that holds.
 
     One of a negative gain, where that is allowed, if none of a positive one holds.
@@ -219,7 +191,7 @@ def _free_p(bench: _Bench, parameters: Mapping[str, float], allow: frozenset[str
         raise
 
 
-def _p_of_one(bench: _Bench, plant: Sampled, parameters: Mapping[str, float]) -> Verified:
+def _p_of_one(bench: Bench, plant: Sampled, parameters: Mapping[str, float]) -> Verified:
     """Return the P of one sign: the bench's own, or where ``plant`` is its opposite the other."""
 
     def law(wc: float) -> SolvedLaw:

@@ -27,7 +27,7 @@ from zoh.errors import Infeasible, NotMet, SpecError
 from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.systems import Sampled
 from zoh.lti.weights import WEIGHTS
-from zoh.request import CANCELLED_UNSTABLE_MODES, LAWS, NEGATIVE_GAINS
+from zoh.request import CANCELLED_UNSTABLE_MODES, LAWS, NEGATIVE_GAINS, Progress
 from zoh.solving import (
     ELSEWHERE,
     UNSTABLE,
@@ -64,7 +64,7 @@ class Clocked:
 def design_on_table(
     plant: FrequencyResponse, law: str, parameters: Mapping[str, float], *, dt: float,
     compute_delay: float, requirements: Requirements, fixed: Sampled | None = None,
-    name: str | None = None, allow: frozenset[str] = frozenset(),
+    name: str | None = None, allow: frozenset[str] = frozenset(), progress: Progress | None = None,
 ) -> TableVerified:  # fmt: skip
     """Return the verified design of ``law`` on a table; its parameters are checked already.
 
@@ -97,12 +97,12 @@ def design_on_table(
     except Infeasible as refused:
         if asked is None:
             raise
-        raise _advised(refused, law, plant_seen, spec, parameters, allow) from None
+        raise _advised(refused, law, plant_seen, spec, parameters, allow, progress) from None
 
 
 def _advised(
     refused: Infeasible, law: str, plant: Clocked, spec: Crossover,
-    parameters: Mapping[str, float], allow: frozenset[str],
+    parameters: Mapping[str, float], allow: frozenset[str], progress: Progress | None,
 ) -> Infeasible:  # fmt: skip
     def fails(controller: Sampled, at: Crossover) -> str:
         path = Path.of(plant.whole(controller) * plant.table)
@@ -110,7 +110,7 @@ def _advised(
             return UNSTABLE
         return ELSEWHERE if off_target(Seen.of(path), at) else ""
 
-    return advised(refused, law, plant, spec, parameters, fails, allow)
+    return advised(refused, law, plant, spec, parameters, fails, allow, progress)
 
 
 def _free_p(

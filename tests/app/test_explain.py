@@ -70,6 +70,23 @@ def test_what_is_missed_is_said_first(good, run):
     assert json.loads(out)["designs"][0]["reasons"][0].startswith("missed: ms must be at most 1.2")
 
 
+def test_what_is_missed_is_followed_by_what_would_do(good, run):
+    """2 sin(pm/2) Ms is 1 or more: Ms of 1.2 takes 49.25 deg at least, and 40 were asked."""
+    found = json.loads(explained(run, good + "[requirements]\nms = 1.2\n", "--json")[1])
+    said = found["designs"][0]["reasons"][-1]
+    assert said.startswith("with wc and pm_deg left open everything is met: by the fastest pi at ")
+    wc = float(said.split(" at ")[1].split(" rad/s")[0])
+    arm = zoh.Plant.parse("2.3/(s^2 + 0.7809 s)", sensor=12 / 180)
+    chosen = zoh.pi(arm, dt=0.1, requirements=zoh.Requirements(ms=1.2))
+    assert chosen.margins.crossover == pytest.approx(wc, rel=1e-5)  # six digits are said
+    kept = json.loads(explained(run, good + "[requirements]\nms = 1.6\n", "--json")[1])
+    assert kept["designs"][0]["reasons"][-1].startswith("with wc left open everything is met")
+    never = explained(run, good + "[requirements]\nbandwidth = 40\n", "--json")[1]
+    assert json.loads(never)["designs"][0]["reasons"][-1].startswith(
+        "no crossover and no margin would do: no pi meets everything asked; of a pi, bandwidth"
+    )
+
+
 def test_a_given_controller_and_a_table_have_a_budget_and_no_price(run, capsys):
     given = (EXAMPLES / "robot_arm_as_printed.toml").read_text()
     _, out, _ = explained(run, given, "--json")

@@ -1,6 +1,7 @@
 """What is refused before any search: each reason by hand, and what is said of what is chosen."""
 
 from dataclasses import replace
+from math import log
 
 import pytest
 
@@ -54,13 +55,17 @@ def test_what_a_loop_can_do_is_not(plant, law, given, asked, options):
 
 def test_a_plant_that_answers_at_once_and_backwards_may_need_the_other_sign_first():
     # G = -1 - (z - 0.5)/(z - 2): under kp = 1 the loop's pole is 0.5, and u0 = r/(1 + G(inf)) = -r
-    at_once = zoh.Sampled(num=[-2.0, 2.5], den=[1.0, -2.0], dt=0.1)
+    pole = log(2) / 0.1
+    plant = zoh.Plant(num=[-2.0, 0.5 * pole], den=[1.0, -pole])
+    at_once = zoh.sample(plant, 0.1)
+    assert at_once.num == pytest.approx([-2.0, 2.5], rel=1e-12)
+    assert at_once.den == pytest.approx([1.0, -2.0], rel=1e-12)
     asked = zoh.Requirements(effort_max=-0.1)
     judge = Judge(
-        plant=LAG, sampled=at_once, compute_delay=0.0, requirements=asked, reference=1.0
+        plant=plant, sampled=at_once, compute_delay=0.0, requirements=asked, reference=1.0
     )  # fmt: skip
     assert pushed_the_wrong_way(judge, "p") == ""
-    later = replace(judge, sampled=zoh.sample(LAG, 0.1))
+    later = replace(judge, plant=LAG, sampled=zoh.sample(LAG, 0.1))
     assert "the first effort of a step is not below 0" in pushed_the_wrong_way(later, "p")
 
 

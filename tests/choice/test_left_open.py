@@ -1,5 +1,7 @@
 """What else may be left open: lead-lags, a PID under a bound on Ms, beside fixed sections."""
 
+import pickle
+
 import pytest
 
 import zoh
@@ -108,3 +110,37 @@ def test_a_margin_that_alone_makes_the_peak_too_high_is_not_searched():
             progress=said.append,
         )  # fmt: skip
     assert said == []
+
+
+def test_a_crossover_that_is_too_slow_is_sent_to_the_nearest_above():
+    """A PD's bandwidth grows with its crossover: the slow end of what will do is the nearest."""
+    asked = zoh.Requirements(pm_deg=50, bandwidth=3.0)
+    with pytest.raises(zoh.Infeasible, match="the nearest crossover where it can is") as refused:
+        zoh.pd(ARM, dt=0.1, wc=0.5, requirements=asked)
+    nearest = refused.value.nearest_wc
+    assert zoh.pd(ARM, dt=0.1, wc=nearest, requirements=asked).met
+    fastest = zoh.pd(ARM, dt=0.1, requirements=asked).margins.crossover
+    assert 0.5 < nearest < 0.9 * fastest
+    with pytest.raises(zoh.Infeasible):
+        zoh.pd(ARM, dt=0.1, wc=nearest * (1 - 1e-3), requirements=asked)
+
+
+def test_a_refusal_that_takes_its_time_says_what_it_tries():
+    said = []
+    with pytest.raises(zoh.Infeasible):
+        zoh.design(ARM, "lag", {"wc": 3.29, "pm_deg": 40, "dc_gain": 10}, dt=0.1,
+                   progress=said.append)  # fmt: skip
+    assert len(said) > 10
+    assert all(s.startswith("lag cannot; is there a ") for s in said)
+    assert "lag cannot; is there a lead of 40 deg at 3.29 rad/s?" in said
+
+
+def test_what_is_missed_says_what_to_leave_open():
+    asked = zoh.Requirements(ms=1.5)
+    with pytest.raises(zoh.NotMet, match="leave wc out, and the fastest that meets") as missed:
+        zoh.pi(ARM, dt=0.1, wc=0.8, pm_deg=40, requirements=asked)
+    back = pickle.loads(pickle.dumps(missed.value))
+    assert (str(back), back.way_out) == (str(missed.value), missed.value.way_out)
+    with pytest.raises(zoh.NotMet) as missed:  # the rule has nothing to choose by
+        zoh.textbook_lag(ARM, dt=0.1, wc=0.7, dc_gain=10, requirements=zoh.Requirements(ms=1.01))
+    assert missed.value.way_out == ""

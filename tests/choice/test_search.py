@@ -11,7 +11,9 @@ from benchmarks.choice.attack import FASTER, Glance, beaten, drawn, gridded
 
 import zoh
 from zoh.choice.climb import HighEnough, climb, grid, tops
+from zoh.choice.judge import Judge
 from zoh.choice.sieve import Sieve
+from zoh.solving import SolvedLaw
 
 INTEGRATOR = zoh.Plant(num=[1.0], den=[1.0, 0.0])
 ARM = zoh.Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
@@ -55,7 +57,9 @@ def test_a_glance_never_condemns_what_is_good(plant):
         zoh.Sampled.from_w(num_w=(float(k), float(k * i)), den_w=(1.0, 0.0), dt=dt)
         for k, i in np.exp(rng.uniform(-4, 2, (60, 2)))
     ]
-    for law, bound in zip(laws, Sieve(sampled, asked).slack(laws), strict=True):
+    judge = Judge(plant=plant, sampled=sampled, compute_delay=0, requirements=asked, reference=1)
+    bounds = Sieve(judge).slack([SolvedLaw(controller=law, gains={}) for law in laws])
+    for law, bound in zip(laws, bounds, strict=True):
         found = zoh.margins(law * sampled)
         assert min(1 - found.ms / 1.7, 1 - found.mt / 1.4) <= bound + 1e-9
 

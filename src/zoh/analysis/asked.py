@@ -56,11 +56,20 @@ class Compared:
         >>> Compared(name="ms", bound=1.6, value=1.60000012, at_least=False).sentence
         'ms must be at most 1.6, measured 1.6000001'
         """
-        word = "at least" if self.at_least else "at most"
         shown = "none" if self.value is None else _apart(self.value, self.bound)
+        return f"{self.demand}, measured {shown}"
+
+    @property
+    def demand(self) -> str:
+        """Return the requirement in words.
+
+        >>> Compared(name="ms", bound=1.6, value=None, at_least=False).demand
+        'ms must be at most 1.6'
+        """
+        word = "at least" if self.at_least else "at most"
         bound = f"{self.bound:g}"
         bound = bound if float(bound) == self.bound else repr(self.bound)
-        return f"{self.name} must be {word} {bound}, measured {shown}"
+        return f"{self.name} must be {word} {bound}"
 
 
 def _apart(value: float, bound: float) -> str:
@@ -112,16 +121,25 @@ def of_time(asked: Requirements, step: StepInfo, noise_gain: float | None) -> li
     """
     between = step.between_samples or step
     error = None if step.steady_state_error is None else abs(step.steady_state_error)
+    return [
+        *_asked(
+            ("overshoot_pct", asked.overshoot_pct, between.overshoot_pct, False),
+            ("rise_time", asked.rise_time, step.rise_time or between.rise_time, False),
+            ("settling_time", asked.settling_time, step.settling_time, False),
+            ("steady_state_error", asked.steady_state_error, error, False),
+        ),
+        *of_effort(asked, step),
+        *_asked(("noise_gain", asked.noise_gain, noise_gain, False)),
+    ]
+
+
+def of_effort(asked: Requirements, step: StepInfo) -> list[Compared]:
+    """Return the requirements on the effort that were asked, beside what was measured."""
     least, most = step.effort_range or (None, None)
     return _asked(
-        ("overshoot_pct", asked.overshoot_pct, between.overshoot_pct, False),
-        ("rise_time", asked.rise_time, step.rise_time or between.rise_time, False),
-        ("settling_time", asked.settling_time, step.settling_time, False),
-        ("steady_state_error", asked.steady_state_error, error, False),
         ("peak_effort", asked.peak_effort, step.peak_effort, False),
         ("effort_min", asked.effort_min, least, True),
         ("effort_max", asked.effort_max, most, False),
-        ("noise_gain", asked.noise_gain, noise_gain, False),
     )
 
 

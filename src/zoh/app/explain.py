@@ -10,6 +10,7 @@ import zoh
 from zoh.analysis.budget import Budget, budget
 from zoh.analysis.verify import Measured
 from zoh.app.commands import Entry, design_all, warnings
+from zoh.app.instead import instead
 from zoh.app.project import Given, Project, Request
 from zoh.choice.map import MAPPED, Map, law_map
 from zoh.clock import SampleTimes, sample_times
@@ -19,6 +20,7 @@ from zoh.lti.systems import Plant
 from zoh.report.text import number
 from zoh.request import LAWS, SPARE, Progress, left_open
 
+_SIX_DIGITS = 1e-7  # to which the longest sample time is found, for six are printed
 _WIDTH = 100  # columns; a sentence is folded there
 
 
@@ -64,19 +66,23 @@ def explain_all(project: Project, progress: Progress | None = None) -> tuple[Exp
     """Return every controller of the file, explained; ``progress`` as for ``design_all``."""
     entries = design_all(project, progress)
     return tuple(
-        _explained(project, *pair) for pair in zip(project.controllers, entries, strict=True)
+        _explained(project, *pair, progress)
+        for pair in zip(project.controllers, entries, strict=True)
     )
 
 
-def _explained(project: Project, asked: Request | Given, entry: Entry) -> Explained:
+def _explained(
+    project: Project, asked: Request | Given, entry: Entry, progress: Progress | None
+) -> Explained:
     found = _budget(project, entry)
+    other = instead(project, asked, entry, progress) if isinstance(asked, Request) else None
     model = _priceable(project, asked, entry)
     return Explained(
         entry=entry,
         budget=found,
         prices=() if model is None else _prices(project, model, asked),
         clocks=None if model is None else _clocks(project, model, asked, entry),
-        reasons=tuple(_reasons(project, entry, found)),
+        reasons=(*_reasons(project, entry, found), *([other] if other else ())),
     )
 
 
@@ -130,6 +136,7 @@ def _clocks(project: Project, of: Priceable, asked: Request | Given, entry: Entr
         requirements=found.requirements if found and assumed else project.requirements,
         compute_delay=project.compute_delay, sections=_sections(asked), reference=project.reference,
         dts=[project.dt * 2.0**k for k in range(-3, 7) if project.dt * 2.0**k < slowest],
+        fine=_SIX_DIGITS,
     )  # fmt: skip
 
 

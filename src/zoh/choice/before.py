@@ -12,7 +12,6 @@ from math import nan, pi
 
 from zoh.choice.fastest import least_ms
 from zoh.choice.judge import Judge
-from zoh.lti.systems import Sampled
 
 _INTEGRATES = ("pi", "pid")
 _ROUNDING = 1e-9  # relative: what misses by rounding alone is met
@@ -99,7 +98,7 @@ def pushed_the_wrong_way(judge: Judge, law: str) -> str:
     """
     asked, plant, r = judge.requirements, judge.plant, judge.reference
     low, high = asked.effort_min, asked.effort_max
-    first = 1.0 if judge.sampled.delay or _at_once(judge.sampled) >= 0 else nan
+    first = 1.0 if judge.through >= 0 else nan
     if high is not None and high < 0 <= r * first:
         return f"effort_max must be at most {high:g}, and the first effort of a step is not below 0"
     if low is not None and low > 0 >= r * first:
@@ -113,8 +112,3 @@ def pushed_the_wrong_way(judge: Judge, law: str) -> str:
     if low is not None and rest < low - _ROUNDING * abs(low):
         return f"effort_min must be at least {low:g}, and at rest the effort is {rest:.6g}"
     return ""
-
-
-def _at_once(sampled: Sampled) -> float:
-    """Return what the output does in the very sample of an input of 1."""
-    return sampled.num[0] / sampled.den[0] if len(sampled.num) == len(sampled.den) else 0.0

@@ -164,7 +164,9 @@ def _refusal(
         f"{reason}{_another_law(law)}",
         needed_deg=degrees(remainder(radians(pm_deg - 180) - phase(response), tau)),
         needed_gain=1 / abs(response) if "wc" in given else None,
-        nearest_wc=_below(judge, last.law, given, progress) if "wc" in given else None,
+        nearest_wc=(
+            _elsewhere(judge, last.law, given, last.best, progress) if "wc" in given else None
+        ),
     )
     turned = backwards(judge.sampled)
     return refusal.because(f'{turned}, or allow=["{NEGATIVE_GAINS}"] does' if turned else "")
@@ -174,13 +176,16 @@ def _another_law(law: str) -> str:
     return "" if law == AUTO else f'; law="{AUTO}" looks for one that can'
 
 
-def _below(
-    judge: Judge, law: str, given: Mapping[str, float], progress: Progress | None
+def _elsewhere(
+    judge: Judge, law: str, given: Mapping[str, float], here: Trial, progress: Progress | None
 ) -> float | None:
-    """Return the fastest crossover below the one given at which the law meets everything.
+    """Return the crossover nearest to ``here``, the trial at wc, at which everything is met.
 
-    It is the nearest one where the law's fastest is below; a faster one is none of those asked for.
+    The law's fastest where that is below; else, if what is met is one interval, its slow end.
     """
     fixed = {name: value for name, value in given.items() if name != "wc"}
-    best = _edge(judge, law, fixed, progress).best
-    return best.wc if best.met and best.wc < given["wc"] else None
+    search = Search(judge, law, fixed, progress)
+    best = search.fastest().best
+    if not best.met:
+        return None
+    return best.wc if best.wc < here.wc else search.closed_in(best, here)[0].wc

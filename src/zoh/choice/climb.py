@@ -34,10 +34,19 @@ def grid(size: int) -> tuple[Point, ...]:
     return tuple(product([i / max(1, side - 1) for i in range(side)], repeat=size))
 
 
-def tops(heights: Mapping[Point, float]) -> list[Point]:
+def coarse(points: Sequence[Point]) -> list[Point]:
+    """Return every other point of the grid's each side.
+
+    >>> len(coarse(grid(2))), len(coarse(grid(1)))
+    (64, 13)
+    """
+    return [point for point in points if all(i % 2 == 0 for i in _place(point))]
+
+
+def tops(heights: Mapping[Point, float], side: int = 1) -> list[Point]:
     """Return the points of a grid, of which some may be left out, that no neighbour exceeds.
 
-    The highest comes first.
+    The highest comes first. ``side`` is the distance of neighbours, in points.
 
     >>> tops(dict(zip(grid(1), [0.0, 2.0, 1.0, 3.0, *range(0, -21, -1)]))) == [(3 / 24,), (1 / 24,)]
     True
@@ -45,7 +54,7 @@ def tops(heights: Mapping[Point, float]) -> list[Point]:
     by_place = {_place(point): point for point in heights}
     found = []
     for place, point in by_place.items():
-        around = product(*([i - 1, i, i + 1] for i in place))
+        around = product(*([i - side, i, i + side] for i in place))
         if all(heights[by_place[n]] <= heights[point] for n in around if n in by_place):
             found.append(point)
     return sorted(found, key=lambda point: -heights[point])

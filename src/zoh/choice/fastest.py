@@ -12,19 +12,20 @@ from contextlib import suppress
 from dataclasses import dataclass
 from math import asin, degrees, inf, pi, radians, sin
 
-from zoh.choice.climb import Height, HighEnough, Point, climb, grid, tops
+from zoh.choice.climb import Height, HighEnough, Point, climb, coarse, grid, tops
 from zoh.choice.freedom import LEAST_DEG, Freedom, keeps_zeros_fast, second_is_open
 from zoh.choice.judge import Judge, Judgement
 from zoh.choice.sieve import Sieve
 from zoh.errors import Infeasible, SpecError
 from zoh.lti.systems import Sampled
 from zoh.request import Progress
-from zoh.solving import solved
+from zoh.solving import SolvedLaw, solved
 from zoh.spec import Crossover
 
 STEP = (0.005, 0.015, 0.03)  # of wc, between two that are tried; by the number of coordinates
 EDGE = 1e-4  # of wc, to which the edge is closed in on
 _FAR = -0.1  # of slack: where a glance says that no point of the grid is above it, none is near
+_HOPELESS = -0.5  # of height: every requirement missed by its own size; the grid may be coarse
 _LOW = -1.0  # a hill that starts lower is no loop at all, and not climbed
 _STRIDE = 8.0  # times longer steps where a crossover misses by all
 _HILLS = 4  # that are climbed
@@ -70,7 +71,7 @@ class Search:
         self, judge: Judge, law: str, fixed: Mapping[str, float], progress: Progress | None = None
     ) -> None:
         self.judge, self.law, self.fixed, self.progress = judge, law, fixed, progress
-        self.sieve = Sieve(judge.sampled, judge.requirements)
+        self.sieve = Sieve(judge)
 
     def fastest(self) -> Edge:
         """Return the fastest crossover that is met."""
@@ -83,12 +84,10 @@ class Search:
             if self.progress is not None:
                 self.progress(f"{self.law}: is everything met at {wc:.4g} rad/s?")
             here = self.at(wc)
+            if here.met and above:
+                return self._pushed(*self.closed_in(here, above))
             if here.met:
-                return (
-                    self._closed_in(here, above)
-                    if above
-                    else Edge(best=here, above=None, is_first=True)
-                )
+                return Edge(best=here, above=None, is_first=True)
             if nearest is None or here.judgement.height > nearest.judgement.height:
                 nearest = here
             above = here
@@ -114,7 +113,7 @@ class Search:
 
         def height(point: Point) -> float:
             if point not in known:
-                known[point] = self.judge.of(self.law, freedom.parameters(point))
+                known[point] = self.judge.of(self.law, freedom.parameters(point), _FAR)
                 if known[point].slack >= enough:
                     raise HighEnough
             return known[point].height
@@ -136,17 +135,23 @@ class Search:
         return Judgement(slack=_NOWHERE, failed=failed)
 
     def _look(self, freedom: Freedom, height: Height, known: dict[Point, Judgement]) -> None:
-        """Try the points of the grid that a glance leaves, and climb from the best of them."""
+        """Try the points of the grid that a glance leaves, and climb from the best of them.
+
+        Of a plane every other point is tried first; the rest only where not all misses by far.
+        """
         points = grid(freedom.size)
-        bounds = self._bounds(freedom, points)
-        order = sorted(zip(bounds, points, strict=True), reverse=True)
-        if order[0][0] < _FAR:
-            height(order[0][1])
+        bounds = dict(zip(points, self._bounds(freedom, points), strict=True))
+        order = sorted(points, key=lambda p: (bounds[p], p), reverse=True)
+        if bounds[order[0]] < _FAR:
+            height(order[0])
             return
-        for bound, point in order:
-            if bound >= _FAR:
+        left = [point for point in order if bounds[point] >= _FAR]
+        first = coarse(left) if freedom.size > 1 else left
+        side = 2 if max(map(height, first), default=0.0) < _HOPELESS else 1
+        if side == 1:
+            for point in left:
                 height(point)
-        for start in tops({p: known[p].height for p in points if p in known})[:_HILLS]:
+        for start in tops({p: known[p].height for p in points if p in known}, side)[:_HILLS]:
             if known[start].height >= _LOW:
                 climb(height, start)
 
@@ -154,40 +159,39 @@ class Search:
         """Return for each point a bound that its slack is not above, -inf where the law refuses."""
         if not self.sieve.tells or len(points) == 1:
             return [inf] * len(points)
-        bounds, some, controllers = [-inf] * len(points), [], []
+        bounds, some = [-inf] * len(points), list[int]()
+        laws = list[SolvedLaw]()
         for i, point in enumerate(points):
             parameters = freedom.parameters(point)
             spec = Crossover(wc=freedom.wc, pm_deg=parameters["pm_deg"])
             with suppress(Infeasible, SpecError):
-                found = solved(self.law, self.judge.sampled, spec, parameters)
+                laws.append(solved(self.law, self.judge.sampled, spec, parameters))
                 some.append(i)
-                controllers.append(found.controller)
-        if controllers:
-            for i, bound in zip(some, self.sieve.slack(controllers), strict=True):
+        if laws:
+            for i, bound in zip(some, self.sieve.slack(laws), strict=True):
                 bounds[i] = bound
         return bounds
 
-    def _closed_in(self, good: Trial, bad: Trial) -> Edge:
-        """Return the edge between a crossover that is met and one above it that is not."""
-        while bad.wc > good.wc * (1 + EDGE):
+    def closed_in(self, good: Trial, bad: Trial) -> tuple[Trial, Trial]:
+        """Return the edge between a crossover that is met and one on either side that is not."""
+        while abs(bad.wc - good.wc) > EDGE * min(good.wc, bad.wc):
             here = self.at((good.wc * bad.wc) ** 0.5, good.point)
             if here.met:
                 good = here
             else:
                 bad = here
-        return self._pushed(Edge(best=good, above=bad))
+        return good, bad
 
-    def _pushed(self, edge: Edge) -> Edge:
+    def _pushed(self, best: Trial, above: Trial) -> Edge:
         """Return the edge, passed as far as a thorough look around its best point goes."""
         pushes = list(_PUSHES)
-        while pushes and edge.above is not None:
-            here = self.at(edge.best.wc * (1 + pushes[0]), edge.best.point, seeded=True)
-            if here.met:
-                edge = Edge(best=here, above=here)
+        while pushes:
+            above = self.at(best.wc * (1 + pushes[0]), best.point, seeded=True)
+            if above.met:
+                best = above
             else:
-                edge = Edge(best=edge.best, above=here)
                 del pushes[0]
-        return edge
+        return Edge(best=best, above=above)
 
 
 def least_ms(pm_deg: float) -> float:

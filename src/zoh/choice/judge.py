@@ -7,7 +7,7 @@ from math import inf
 import numpy as np
 
 from zoh import checks
-from zoh.analysis.asked import OF_TIME, Compared, checked, of_margins, of_time
+from zoh.analysis.asked import OF_TIME, Compared, checked, of_effort, of_margins, of_time
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import glance
 from zoh.analysis.responses import noise_gains
@@ -68,6 +68,14 @@ class Judge:
         checked(self.requirements)
         checks.number("reference", self.reference, "give the size of the step")
 
+    @property
+    def through(self) -> float:
+        """Return what the plant answers in the very sample of an input of 1, seen by its sensor."""
+        plant = self.plant
+        if plant.dead_time or self.compute_delay or len(plant.num) < len(plant.den):
+            return 0.0
+        return plant.sensor * plant.num[0] / plant.den[0]
+
     def turned(self) -> "Judge":
         """Return the judge of the same loops with plant and controller of the other sign.
 
@@ -80,14 +88,27 @@ class Judge:
             requirements=replace(asked, effort_min=low, effort_max=high),
         )  # fmt: skip
 
-    def of(self, law: str, parameters: Mapping[str, float]) -> Judgement:
-        """Return the judgement of a law with these parameters, wc and pm_deg among them."""
+    @property
+    def asks_effort(self) -> bool:
+        """Return whether the effort of a step is bounded."""
+        asked = self.requirements
+        return not asked.peak_effort is asked.effort_min is asked.effort_max is None
+
+    def of(
+        self, law: str, parameters: Mapping[str, float], worth: float = -inf
+    ) -> Judgement:  # fmt: skip
+        """Return the judgement of a law with these parameters, wc and pm_deg among them.
+
+        worth  a slack below which the first effort of a step alone is enough to tell
+        """
         spec = Crossover(wc=parameters["wc"], pm_deg=parameters["pm_deg"])
         try:
             found = solved(law, self.sampled, spec, parameters)
             loop = Loop.of(found.controller, self.sampled)
         except (Infeasible, SpecError) as refused:
             return Judgement(slack=-4.0, failed=str(refused))
+        if self.effort_slack(found) < worth:
+            return self._at_once(found)
         if "ti_td" in parameters and _slow(found.controller, spec.wc):
             return Judgement(slack=-2.0, failed="a zero of the controller is a decade below wc")
         if not closed_loop_stable(loop):
@@ -100,11 +121,38 @@ class Judge:
             rows += self._in_time(found)
         return judged(rows)
 
+    def effort_slack(self, found: SolvedLaw) -> float:
+        """Return a bound that the slack of the effort is not above: that of its first sample."""
+        return min((row.slack for row in self._first_effort(found)), default=inf)
+
+    def _at_once(self, found: SolvedLaw) -> Judgement:
+        """Return the judgement of a loop whose first effort is far beyond what is allowed."""
+        rows = self._first_effort(found)
+        slack = min(row.slack for row in rows)
+        missed = [
+            f"{row.demand}, and in the first sample of a step it is {row.value:.6g}"
+            for row in rows
+            if not row.met
+        ]
+        return Judgement(slack=slack / (1 - slack), failed="; ".join(missed))
+
+    def _first_effort(self, found: SolvedLaw) -> list[Compared]:
+        """Return what is asked of the effort beside its first sample after a step.
+
+        It is r P/(1 + C G), each at z = inf, P what leads from the reference to the effort.
+        """
+        if not self.asks_effort:
+            return []
+        controller, ahead = self._whole(found)
+        direct = at_once(controller)
+        path = direct + (at_once(ahead) if ahead else 0.0)
+        first = self.reference * path / (1 + direct * self.through)
+        return of_effort(
+            self.requirements, StepInfo(peak_effort=abs(first), effort_range=(first, first))
+        )
+
     def _in_time(self, found: SolvedLaw) -> list[Compared]:
-        controller = found.controller * self.fixed if self.fixed else found.controller
-        setpoint, derivative = (self.weights.get(name, 1.0) for name in WEIGHTS)
-        ahead = feedforward(found.gains, setpoint, derivative, controller.dt)
-        ahead = ahead * self.fixed if ahead and self.fixed else ahead
+        controller, ahead = self._whole(found)
         if all(getattr(self.requirements, name) is None for name in OF_TIME if name != _AT_REST):
             final, _ = gains_at_rest(self.plant, controller, ahead)
             step = StepInfo(steady_state_error=self.reference * (1 - final))
@@ -117,6 +165,24 @@ class Judge:
         if self.requirements.noise_gain is not None:
             noise = noise_gains(self.plant, controller, compute_delay=self.compute_delay)[1]
         return of_time(self.requirements, step, noise)
+
+    def _whole(self, found: SolvedLaw) -> tuple[Sampled, Sampled | None]:
+        """Return the controller with what is fixed, and the feedforward that a weight makes."""
+        setpoint, derivative = (self.weights.get(name, 1.0) for name in WEIGHTS)
+        ahead = feedforward(found.gains, setpoint, derivative, self.sampled.dt)
+        if self.fixed is None:
+            return found.controller, ahead
+        return found.controller * self.fixed, ahead * self.fixed if ahead else None
+
+
+def at_once(system: Sampled) -> float:
+    """Return what a system without delay answers in the very sample of an input of 1: at z = inf.
+
+    >>> at_once(Sampled(num=[2.0, -1.0], den=[1.0, -0.5], dt=0.1))
+    2.0
+    """
+    w = 2 / system.dt
+    return float(poly.at(system.num_w, w) / poly.at(system.den_w, w))
 
 
 def _slow(controller: Sampled, wc: float) -> bool:

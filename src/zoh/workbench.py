@@ -1,0 +1,57 @@
+"""A plant on the bench: what is fixed in series with it, and everything a law is measured by."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from zoh.analysis.load_error import load_iae
+from zoh.analysis.verify import Verified, measure, verified
+from zoh.errors import NotMet
+from zoh.lti.hidden import unstable_hidden
+from zoh.lti.systems import Plant, Sampled
+from zoh.request import CANCELLED_UNSTABLE_MODES
+from zoh.solving import SolvedLaw, not_as_asked
+from zoh.spec import Crossover, Requirements
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bench:
+    """A plant with what is fixed in series, and everything that a solved law is measured by.
+
+    sampled   the plant with what is ``fixed``, as the law is solved on it
+    weights   of the reference;  allowed  what is said to have been allowed by name
+    """
+
+    plant: Plant
+    sampled: Sampled
+    fixed: Sampled | None
+    compute_delay: float
+    requirements: Requirements
+    reference: float
+    law: str
+    name: str | None
+    weights: Mapping[str, float]
+    allowed: tuple[str, ...]
+
+    def whole(self, law: Sampled) -> Sampled:
+        """Return the controller: the law with what is fixed."""
+        return law * self.fixed if self.fixed else law
+
+    def iae(self, law: Sampled) -> float:
+        """Return the absolute error after a load step."""
+        return load_iae(self.plant, self.whole(law), self.compute_delay)
+
+    def verified(self, found: SolvedLaw, spec: Crossover | None) -> Verified:
+        """Return the measured design; raise NotMet where it is not what was asked."""
+        evidence = measure(
+            self.plant, self.whole(found.controller), compute_delay=self.compute_delay,
+            requirements=self.requirements, reference=self.reference, law=self.law,
+            gains=found.gains, name=self.name, fixed=self.fixed, **self.weights,
+        )  # fmt: skip
+        evidence = replace(evidence, allowed=self.allowed) if self.allowed else evidence
+        off = not_as_asked(evidence.margins, spec)
+        if evidence.margins.stable is False and unstable_hidden(self.plant):
+            word = f'allow=["{CANCELLED_UNSTABLE_MODES}"]'
+            off = [f"the plant hides an unstable mode: {word} takes it out of the model"]
+        if off:
+            raise NotMet((*evidence.misses, *off), evidence)
+        return verified(evidence)
