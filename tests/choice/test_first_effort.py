@@ -60,7 +60,7 @@ def test_what_the_first_effort_condemns_the_step_condemns_more():
         if freedom is None:
             continue
         parameters = freedom.parameters([0.4] * freedom.size)
-        whole, soon = (judge.of(task.law, parameters, worth) for worth in (-1e9, -0.1))
+        whole, soon = (judge.of(task.law, parameters, worth) for worth in (-1e9, -1.0))
         if not whole.rows:
             continue
         assert whole.height <= soon.height + 1e-9

@@ -25,7 +25,8 @@ from zoh.spec import Crossover
 STEP = (0.005, 0.015, 0.03)  # of wc, between two that are tried; by the number of coordinates
 EDGE = 1e-4  # of wc, to which the edge is closed in on
 _FAR = -0.1  # of slack: where a glance says that no point of the grid is above it, none is near
-_HOPELESS = -0.5  # of height: every requirement missed by its own size; the grid may be coarse
+_BY_ITS_SIZE = -1.0  # of slack: by how much a first effort misses that is judged by it alone
+_HOPELESS = -0.5  # of height, the same: the grid may be coarse
 _LOW = -1.0  # a hill that starts lower is no loop at all, and not climbed
 _STRIDE = 8.0  # times longer steps where a crossover misses by all
 _HILLS = 4  # that are climbed
@@ -113,7 +114,7 @@ class Search:
 
         def height(point: Point) -> float:
             if point not in known:
-                known[point] = self.judge.of(self.law, freedom.parameters(point), _FAR)
+                known[point] = self.judge.of(self.law, freedom.parameters(point), _BY_ITS_SIZE)
                 if known[point].slack >= enough:
                     raise HighEnough
             return known[point].height
