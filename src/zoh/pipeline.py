@@ -134,17 +134,15 @@ def _chosen(
     Crossover(
         wc=parameters.get("wc", 1e-9 / dt), pm_deg=parameters.get("pm_deg", 45.0)
     ).below_nyquist(dt)
+    back = NEGATIVE_GAINS in words and bool(backwards(bench.sampled))
     judge = Judge(
         plant=bench.plant, sampled=bench.sampled, compute_delay=bench.compute_delay,
         requirements=bench.requirements, reference=bench.reference, fixed=bench.fixed,
-        weights=bench.weights,
+        weights=bench.weights, back=back,
     )  # fmt: skip
     under = {k: v for k, v in parameters.items() if k in UNDER_MS}
     known = {k: v for k, v in parameters.items() if k not in under}
-    back = NEGATIVE_GAINS in words and bool(backwards(bench.sampled))
-    chosen = choose(
-        judge.turned() if back else judge, bench.law, opposite(known) if back else known, progress
-    )
+    chosen = choose(judge, bench.law, opposite(known) if back else known, progress)
     found_for = opposite(chosen.parameters) if back else chosen.parameters
     asked_for = chosen.requirements if nothing_asked(bench.requirements) else bench.requirements
 

@@ -21,10 +21,11 @@ LAG = zoh.Plant(num=[2.0], den=[1, 1])
         (ARM, "pi", {}, {"bandwidth": 40}, "the Nyquist frequency is 31.4159 rad/s"),
         (ARM, "pi", {}, {"overshoot_pct": 0}, "add up to 0: it overshoots; a setpoint_weight"),
         (ARM, "pd", {}, {"effort_max": -1}, "the first effort of a step is not below 0"),
-        (ARM, "pd", {}, {"effort_min": 1, "effort_max": 9}, "at rest the effort is 0"),
+        (ARM, "pd", {}, {"effort_min": 1, "effort_max": 9}, "at rest it is 0"),
         # at rest u = r/G(0) = 1/2
-        (LAG, "pi", {}, {"effort_max": 0.4}, "at rest the effort is 0.5"),
-        (LAG, "pid", {}, {"effort_min": 0.6}, "at rest the effort is 0.5"),
+        (LAG, "pi", {}, {"effort_max": 0.4}, "at rest it is 0.5"),
+        (LAG, "pid", {}, {"effort_min": 0.6}, "at rest it is 0.5"),
+        (LAG, "pid", {}, {"peak_effort": 0.4}, "peak_effort must be at most 0.4, and at rest"),
     ],
 )
 def test_what_no_loop_can_do_is_refused_at_once(plant, law, given, asked, why):

@@ -10,6 +10,8 @@ sec. 4.2 (system type, and what the errors of a step add up to).
 from collections.abc import Mapping
 from math import nan, pi
 
+from zoh.analysis.asked import of_effort
+from zoh.analysis.results import StepInfo
 from zoh.choice.fastest import least_ms
 from zoh.choice.judge import Judge
 
@@ -93,22 +95,23 @@ def pushed_the_wrong_way(judge: Judge, law: str) -> str:
     """Return why the effort leaves its range at once, or at rest; "" if it may stay.
 
     With positive gains, sections whose zeros are stable and a plant without a negative path at
-    once, the first u has the sign of the reference, or is 0; at rest an integrating plant needs
-    none, and a law that integrates gives r/G(0).
+    once, the first u has the sign of the reference, or is 0, and with negative ones and no
+    positive path the other; at rest an integrating plant needs none, and a law that integrates
+    gives r/G(0).
     """
     asked, plant, r = judge.requirements, judge.plant, judge.reference
     low, high = asked.effort_min, asked.effort_max
-    first = 1.0 if judge.through >= 0 else nan
-    if high is not None and high < 0 <= r * first:
+    side = -1.0 if judge.back else 1.0
+    first = r * side if judge.through * side >= 0 else nan
+    if high is not None and high < 0 <= first:
         return f"effort_max must be at most {high:g}, and the first effort of a step is not below 0"
-    if low is not None and low > 0 >= r * first:
+    if low is not None and low > 0 >= first:
         return f"effort_min must be at least {low:g}, and the first effort of a step is not above 0"
     gain = plant.sensor * plant.num[-1]
     if not gain or not (plant.den[-1] == 0 or law in _INTEGRATES):
         return ""
     rest = r * plant.den[-1] / gain
-    if high is not None and rest > high + _ROUNDING * abs(high):
-        return f"effort_max must be at most {high:g}, and at rest the effort is {rest:.6g}"
-    if low is not None and rest < low - _ROUNDING * abs(low):
-        return f"effort_min must be at least {low:g}, and at rest the effort is {rest:.6g}"
+    for row in of_effort(asked, StepInfo(peak_effort=abs(rest), effort_range=(rest, rest))):
+        if not row.met:
+            return f"{row.demand}, and at rest it is {row.value:.6g}"
     return ""

@@ -8,7 +8,7 @@ and the first that can meet everything is taken.
 from cmath import phase
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from math import degrees, inf, radians, remainder, tau
+from math import degrees, inf, log, radians, remainder, tau
 
 from zoh.analysis.results import Choice
 from zoh.certificate import backwards, least_turn
@@ -54,13 +54,13 @@ def choose(
             choice = Choice(
                 open=_open(law, given, edge.best.parameters),
                 assumed=told,
-                limits=_limits(edge) if edge.above or "wc" in given else _at_the_end(edge),
+                limits=_limits(edge) or _at_the_end(edge, name, given),
                 tried=tuple((simpler.law, simpler.why) for simpler in tried),
             )
             return Chosen(
                 law=name, parameters=edge.best.parameters, requirements=assumed, choice=choice
             )
-        tried.append(_Tried(law=name, why=_nearest(edge.best, given), best=edge.best))
+        tried.append(_Tried(law=name, why=_nearest(edge), best=edge.best))
     raise _refusal(judge, law, given, tried, told, progress)
 
 
@@ -93,10 +93,14 @@ def _edge(judge: Judge, law: str, given: Mapping[str, float], progress: Progress
 
 def _where_the_plant_has(search: Search, pm_deg: float) -> Edge:
     """Return the fastest P with a margin that is given: the plant has it at a few crossovers."""
-    found = [search.at(wc) for wc in crossovers(search.judge.sampled, pm_deg)]
-    met = next((trial for trial in found if trial.met), None)
-    nearest = max(found, key=lambda trial: trial.judgement.height, default=None)
-    return Edge(best=met or nearest or search.fastest().best, above=None)
+    found = [search.at(wc) for wc in crossovers(search.judge.facing, pm_deg)]
+    if not found:
+        return search.fastest()
+    met = next((i for i, trial in enumerate(found) if trial.met), None)
+    if met is not None:
+        return Edge(best=found[met], above=found[met - 1] if met else None, is_first=not met)
+    ends = found[-1].wc, found[0].wc
+    return Edge(best=max(found, key=lambda t: t.judgement.height), above=None, tried=ends)
 
 
 def _assumed(law: str, given: Mapping[str, float]) -> Requirements:
@@ -130,19 +134,25 @@ def _limits(edge: Edge) -> tuple[str, ...]:
     return (f"{at} {above.judgement.failed}",)
 
 
-def _at_the_end(edge: Edge) -> tuple[str, ...]:
+def _at_the_end(edge: Edge, law: str, given: Mapping[str, float]) -> tuple[str, ...]:
     """Return that nothing stands against a faster crossover, where the first one tried is met."""
     if not edge.is_first:
         return ()
+    if law == "p" and "pm_deg" in given:
+        return (f"the plant has a margin of {given['pm_deg']:g} deg at no faster crossover",)
     return ("nothing limits it below the Nyquist frequency: it is the fastest that is tried",)
 
 
-def _nearest(best: Trial, given: Mapping[str, float]) -> str:
-    if best.parameters is None and "wc" in given:
-        return f"{best.judgement.failed} there"
+def _nearest(edge: Edge) -> str:
+    """Return why nothing was met, and where the law comes nearest."""
+    best, failed = edge.best, edge.best.judgement.failed
+    if edge.tried is None:
+        return f"{failed} at {best.wc:.6g} rad/s"
+    low, high = edge.tried
+    tried = f"tried from {high:.4g} down to {low:.4g} rad/s"
     if best.parameters is None:
-        return f"{best.judgement.failed} anywhere, not even at {best.wc:.6g} rad/s"
-    return f"it comes nearest at {best.wc:.6g} rad/s, where {best.judgement.failed}"
+        return f"{failed} anywhere ({tried})"
+    return f"it comes nearest at {best.wc:.6g} rad/s, where {failed} ({tried})"
 
 
 def _refusal(
@@ -157,18 +167,16 @@ def _refusal(
     reason = f"{what} meets everything asked{where}{told}; of a {last.law}, {last.why}"
     if last.best is None:
         pm_deg = given.get("pm_deg", judge.requirements.pm_deg or 45.0)
-        return Infeasible(reason, needed_deg=least_turn(judge.sampled, pm_deg))
+        return Infeasible(reason, needed_deg=least_turn(judge.facing, pm_deg))
     pm_deg = (last.best.parameters or given).get("pm_deg", judge.requirements.pm_deg or 45.0)
-    response = judge.sampled.at(last.best.wc)
+    response = judge.facing.at(last.best.wc)
     refusal = Infeasible(
         f"{reason}{_another_law(law)}",
         needed_deg=degrees(remainder(radians(pm_deg - 180) - phase(response), tau)),
         needed_gain=1 / abs(response) if "wc" in given else None,
-        nearest_wc=(
-            _elsewhere(judge, last.law, given, last.best, progress) if "wc" in given else None
-        ),
+        nearest_wc=_elsewhere(judge, tried, given, progress) if "wc" in given else None,
     )
-    turned = backwards(judge.sampled)
+    turned = backwards(judge.facing)
     return refusal.because(f'{turned}, or allow=["{NEGATIVE_GAINS}"] does' if turned else "")
 
 
@@ -177,15 +185,19 @@ def _another_law(law: str) -> str:
 
 
 def _elsewhere(
-    judge: Judge, law: str, given: Mapping[str, float], here: Trial, progress: Progress | None
+    judge: Judge, tried: list[_Tried], given: Mapping[str, float], progress: Progress | None
 ) -> float | None:
-    """Return the crossover nearest to ``here``, the trial at wc, at which everything is met.
+    """Return the crossover nearest to the one given at which a law that was tried meets everything.
 
-    The law's fastest where that is below; else, if what is met is one interval, its slow end.
+    Of each law its fastest where that is below; else, if what is met is one interval, its slow end.
     """
-    fixed = {name: value for name, value in given.items() if name != "wc"}
-    search = Search(judge, law, fixed, progress)
-    best = search.fastest().best
-    if not best.met:
-        return None
-    return best.wc if best.wc < here.wc else search.closed_in(best, here)[0].wc
+    fixed, found = {name: value for name, value in given.items() if name != "wc"}, []
+    for one in tried:
+        if one.best is None:
+            continue
+        best = _edge(judge, one.law, fixed, progress).best
+        if best.met and best.wc > given["wc"] and (one.law != "p" or "pm_deg" not in fixed):
+            best = Search(judge, one.law, fixed, progress).closed_in(best, one.best)[0]
+        if best.met:
+            found.append(best.wc)
+    return min(found, key=lambda wc: abs(log(wc / given["wc"])), default=None)

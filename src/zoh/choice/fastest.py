@@ -1,6 +1,7 @@
 """The fastest crossover at which a law meets everything that is asked.
 
-Crossovers are tried from Nyquist's frequency down, in longer steps where more is missed. At each,
+Crossovers are tried from Nyquist's frequency down, in longer steps where more is missed, to far
+below every corner of the plant, and below that while a slower one misses by less. At each,
 the law's free
 coordinates are searched for the point where the least slack is largest; where that is not below
 0 the request can be met. The edge above the first such crossover is closed in on by halving.
@@ -32,7 +33,9 @@ _STRIDE = 8.0  # times longer steps where a crossover misses by all
 _HILLS = 4  # that are climbed
 _NEAR = (0.02, 0.1, 0.004)  # the simplex's sizes where a point near the highest is known
 _PUSHES = (0.01, 0.002, 0.0005)  # of wc, by which a crossover found is tried to be passed
-_BELOW = 100.0  # times below the plant's slowest corner nothing new happens
+_BELOW = 100.0  # times below the plant's slowest corner its response does nothing new
+_LEAST = 1e-6  # of that, where the search ends in any case
+_BETTER = 1e-6  # of slack: a slower crossover that gains less, below the corners, is the last
 _ROUNDING_DEG = 1e-6  # below the least margin that a peak allows, so that rounding leaves it in
 _NYQUIST = 0.999  # of pi/dt is the fastest that is tried
 _NOWHERE = -5.0  # slack: the law cannot give the least margin there
@@ -52,17 +55,24 @@ class Trial:
         """Return whether everything asked is met."""
         return self.judgement.slack >= 0
 
+    def gains_on(self, other: "Trial") -> bool:
+        """Return whether this one misses by clearly less than another."""
+        slack, before = self.judgement.slack, other.judgement.slack
+        return self.judgement.compared and slack > before + _BETTER * abs(before)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Edge:
     """The fastest trial that is met and the next one above it, None where it is the first one.
 
-    Where none is met, ``best`` is the one that comes nearest. ``is_first``: no faster one is tried.
+    Where none is met, ``best`` is the one that comes nearest, and ``tried`` the slowest and the
+    fastest crossover in rad/s that were tried. ``is_first``: no faster one is tried.
     """
 
     best: Trial
     above: Trial | None
     is_first: bool = False
+    tried: tuple[float, float] | None = None
 
 
 class Search:
@@ -78,10 +88,10 @@ class Search:
         """Return the fastest crossover that is met."""
         above: Trial | None = None
         nearest: Trial | None = None
-        step = STEP[coordinates(self.law, self.fixed)]
-        top, bottom = _ends(self.judge.sampled)
+        step, better = STEP[coordinates(self.law, self.fixed)], True
+        top, bottom = _ends(self.judge.facing)
         wc = top
-        while wc > bottom:
+        while wc > bottom or (better and wc > bottom * _LEAST):
             if self.progress is not None:
                 self.progress(f"{self.law}: is everything met at {wc:.4g} rad/s?")
             here = self.at(wc)
@@ -89,13 +99,15 @@ class Search:
                 return self._pushed(*self.closed_in(here, above))
             if here.met:
                 return Edge(best=here, above=None, is_first=True)
+            better = above is None or here.gains_on(above)
             if nearest is None or here.judgement.height > nearest.judgement.height:
                 nearest = here
             above = here
-            wc /= 1 + step * min(
-                _STRIDE, 1 - (_STRIDE - 1) * min(0.0, here.judgement.height - _FAR)
-            )
-        return Edge(best=nearest or Trial(wc=top, judgement=self._nowhere(0.0)), above=None)
+            far = min(0.0, here.judgement.height - _FAR) if wc > bottom else -1.0
+            wc /= 1 + step * min(_STRIDE, 1 - (_STRIDE - 1) * far)
+        if above is None or nearest is None:
+            return Edge(best=Trial(wc=top, judgement=self._nowhere(0.0)), above=None)
+        return Edge(best=nearest, above=None, tried=(above.wc, top))
 
     def at(
         self, wc: float, seed: Point | None = None, enough: float = 0.0, *, seeded: bool = False
@@ -107,7 +119,7 @@ class Search:
         ms = self.judge.requirements.ms
         of_peak = 0.0 if ms is None else degrees(2 * asin(min(1.0, 1 / (2 * ms)))) - _ROUNDING_DEG
         least = max(self.judge.requirements.pm_deg or 0.0, of_peak)
-        freedom = Freedom.of(self.law, self.judge.sampled, wc, self.fixed, least)
+        freedom = Freedom.of(self.law, self.judge.facing, wc, self.fixed, least)
         if freedom is None:
             return Trial(wc=wc, judgement=self._nowhere(least))
         known: dict[Point, Judgement] = {}
@@ -166,7 +178,7 @@ class Search:
             parameters = freedom.parameters(point)
             spec = Crossover(wc=freedom.wc, pm_deg=parameters["pm_deg"])
             with suppress(Infeasible, SpecError):
-                laws.append(solved(self.law, self.judge.sampled, spec, parameters))
+                laws.append(solved(self.law, self.judge.facing, spec, parameters))
                 some.append(i)
         if laws:
             for i, bound in zip(some, self.sieve.slack(laws), strict=True):
@@ -212,4 +224,14 @@ def coordinates(law: str, fixed: Mapping[str, float]) -> int:
 def _ends(sampled: Sampled) -> tuple[float, float]:
     """Return the fastest and the slowest crossover to be tried in rad/s."""
     top = _NYQUIST * pi / sampled.dt
-    return top, min([top, *sampled.corners().tolist()]) / _BELOW
+    return top, slowest_corner(sampled, top) / _BELOW
+
+
+def slowest_corner(sampled: Sampled, top: float) -> float:
+    """Return the slowest of the plant's corners in rad/s, its delay's among them; top at most.
+
+    >>> slowest_corner(Sampled(num=[1.0], den=[1.0, 0.0, 0.0], dt=0.5), 9.0)
+    1.0
+    """
+    late = [1 / (sampled.delay * sampled.dt)] if sampled.delay else []
+    return float(min([top, *late, *sampled.corners().tolist()]))

@@ -1,8 +1,8 @@
 """One candidate beside everything that is asked, by measurement alone."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from math import inf
+from dataclasses import dataclass, field
+from math import inf, nan
 
 import numpy as np
 
@@ -23,21 +23,24 @@ from zoh.lti.wplane import warp
 from zoh.solving import SolvedLaw, negated, off_target, solved
 from zoh.spec import Crossover, Requirements
 
-_AT_REST = "steady_state_error"  # which needs no response: the gains at w = 0 have it
+_WITHOUT_A_STEP = ("steady_state_error", "noise_gain")  # the gains at w = 0, and the poles, tell
+_OF_A_STEP = tuple(name for name in OF_TIME if name not in _WITHOUT_A_STEP)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Judgement:
     """How a candidate fares: the least slack of what is asked, and what it is the slack of.
 
-    slack   relative, 0 or more where everything is met; -1 and less where there is nothing to
-            compare
-    failed  what stands against the candidate, in words; empty where it is met
+    slack     relative, 0 or more where everything is met; -1 and less where there is nothing to
+              compare
+    failed    what stands against the candidate, in words; empty where it is met
+    compared  whether there is a loop to compare
     """
 
     slack: float
     rows: tuple[Compared, ...] = ()
     failed: str = ""
+    compared: bool = False
 
     @property
     def height(self) -> float:
@@ -46,7 +49,7 @@ class Judgement:
         >>> Judgement(slack=-3.0).height  # no loop to compare
         -3.0
         """
-        return self.slack / (1 - self.slack) if self.rows and self.slack < 0 else self.slack
+        return self.slack / (1 - self.slack) if self.compared and self.slack < 0 else self.slack
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,6 +57,7 @@ class Judge:
     """A plant, what is asked of its loop, and for which reference step.
 
     sampled  with what is ``fixed`` in series with the law;  weights  of the reference
+    back     whether the laws are of negative gains: solved on the opposite plant, then turned
     """
 
     plant: Plant
@@ -63,6 +67,7 @@ class Judge:
     reference: float
     fixed: Sampled | None = None
     weights: Mapping[str, float] = field(default_factory=dict)
+    back: bool = False
 
     def __post_init__(self) -> None:
         checked(self.requirements)
@@ -76,17 +81,10 @@ class Judge:
             return 0.0
         return plant.sensor * plant.num[0] / plant.den[0]
 
-    def turned(self) -> "Judge":
-        """Return the judge of the same loops with plant and controller of the other sign.
-
-        The effort is then the other way round, and so are its ends.
-        """
-        asked, opposite = self.requirements, tuple(-c for c in self.plant.num)
-        low, high = (None if e is None else -e for e in (asked.effort_max, asked.effort_min))
-        return replace(
-            self, plant=replace(self.plant, num=opposite), sampled=negated(self.sampled),
-            requirements=replace(asked, effort_min=low, effort_max=high),
-        )  # fmt: skip
+    @property
+    def facing(self) -> Sampled:
+        """Return the plant that laws of positive gains are solved on."""
+        return negated(self.sampled) if self.back else self.sampled
 
     @property
     def asks_effort(self) -> bool:
@@ -103,8 +101,8 @@ class Judge:
         """
         spec = Crossover(wc=parameters["wc"], pm_deg=parameters["pm_deg"])
         try:
-            found = solved(law, self.sampled, spec, parameters)
-            loop = Loop.of(found.controller, self.sampled)
+            found = solved(law, self.facing, spec, parameters)
+            loop = Loop.of(found.controller, self.facing)
         except (Infeasible, SpecError) as refused:
             return Judgement(slack=-4.0, failed=str(refused))
         if self.effort_slack(found) < worth:
@@ -128,13 +126,13 @@ class Judge:
     def _at_once(self, found: SolvedLaw) -> Judgement:
         """Return the judgement of a loop whose first effort is far beyond what is allowed."""
         rows = self._first_effort(found)
-        slack = min(row.slack for row in rows)
         missed = [
             f"{row.demand}, and in the first sample of a step it is {row.value:.6g}"
             for row in rows
             if not row.met
         ]
-        return Judgement(slack=slack / (1 - slack), failed="; ".join(missed))
+        slack = min(row.slack for row in rows)
+        return Judgement(slack=slack, failed="; ".join(missed), compared=True)
 
     def _first_effort(self, found: SolvedLaw) -> list[Compared]:
         """Return what is asked of the effort beside its first sample after a step.
@@ -146,28 +144,30 @@ class Judge:
         controller, ahead = self._whole(found)
         direct = at_once(controller)
         path = direct + (at_once(ahead) if ahead else 0.0)
-        first = self.reference * path / (1 + direct * self.through)
+        back = 1 + direct * self.through
+        first = self.reference * path / back if back else nan
         return of_effort(
             self.requirements, StepInfo(peak_effort=abs(first), effort_range=(first, first))
         )
 
     def _in_time(self, found: SolvedLaw) -> list[Compared]:
         controller, ahead = self._whole(found)
-        if all(getattr(self.requirements, name) is None for name in OF_TIME if name != _AT_REST):
-            final, _ = gains_at_rest(self.plant, controller, ahead)
-            step = StepInfo(steady_state_error=self.reference * (1 - final))
-        else:
+        noise = None
+        if self.requirements.noise_gain is not None:
+            noise = noise_gains(self.plant, controller, compute_delay=self.compute_delay)[1]
+        if any(getattr(self.requirements, name) is not None for name in _OF_A_STEP):
             step = closed_loop_step(
                 self.plant, controller, compute_delay=self.compute_delay,
                 reference=self.reference, feedforward=ahead,
             )  # fmt: skip
-        noise = None
-        if self.requirements.noise_gain is not None:
-            noise = noise_gains(self.plant, controller, compute_delay=self.compute_delay)[1]
+        else:
+            final, _ = gains_at_rest(self.plant, controller, ahead)
+            step = StepInfo(steady_state_error=self.reference * (1 - final))
         return of_time(self.requirements, step, noise)
 
     def _whole(self, found: SolvedLaw) -> tuple[Sampled, Sampled | None]:
         """Return the controller with what is fixed, and the feedforward that a weight makes."""
+        found = found.opposite() if self.back else found
         setpoint, derivative = (self.weights.get(name, 1.0) for name in WEIGHTS)
         ahead = feedforward(found.gains, setpoint, derivative, self.sampled.dt)
         if self.fixed is None:
@@ -178,11 +178,14 @@ class Judge:
 def at_once(system: Sampled) -> float:
     """Return what a system without delay answers in the very sample of an input of 1: at z = inf.
 
+    nan where it has a pole there.
+
     >>> at_once(Sampled(num=[2.0, -1.0], den=[1.0, -0.5], dt=0.1))
     2.0
     """
     w = 2 / system.dt
-    return float(poly.at(system.num_w, w) / poly.at(system.den_w, w))
+    den = float(poly.at(system.den_w, w))
+    return float(poly.at(system.num_w, w)) / den if den else nan
 
 
 def _slow(controller: Sampled, wc: float) -> bool:
@@ -210,4 +213,4 @@ def judged(rows: list[Compared]) -> Judgement:
     missed = [row.sentence for row in rows if not row.met]
     if not missed:
         least = max(least, 0.0)  # what is missed by rounding alone is met
-    return Judgement(slack=least, rows=tuple(rows), failed="; ".join(missed))
+    return Judgement(slack=least, rows=tuple(rows), failed="; ".join(missed), compared=True)

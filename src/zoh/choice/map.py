@@ -16,6 +16,7 @@ import numpy.typing as npt
 from zoh import checks
 from zoh.analysis.asked import checked
 from zoh.choice.choose import ASSUMED, nothing_asked
+from zoh.choice.fastest import slowest_corner
 from zoh.choice.freedom import Freedom
 from zoh.choice.judge import Judge, Judgement
 from zoh.errors import SpecError
@@ -132,7 +133,7 @@ def _fixed(law: str, given: Mapping[str, float]) -> dict[str, float]:
 def _crossovers(sampled: Sampled, count: int) -> Array:
     """Return crossovers evenly in log, from below the slowest corner to just below Nyquist's."""
     top = 0.98 * pi / sampled.dt
-    return np.geomspace(min([top, *sampled.corners().tolist()]) / _AROUND, top, count)
+    return np.geomspace(slowest_corner(sampled, top) / _AROUND, top, count)
 
 
 def _names(asked: Requirements) -> list[str]:

@@ -25,7 +25,7 @@ class Sieve:
     """A plant at frequencies below Nyquist's, and the peaks allowed there."""
 
     def __init__(self, judge: Judge) -> None:
-        sampled, asked = judge.sampled, judge.requirements
+        sampled, asked = judge.facing, judge.requirements
         top = 0.9999 * pi / sampled.dt
         low = min([top, *sampled.corners().tolist()]) / _BEYOND
         w = np.geomspace(low, top, _POINTS)
