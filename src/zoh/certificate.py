@@ -9,6 +9,7 @@ from zoh.analysis.loop import Loop
 from zoh.analysis.margins import glance, nearest_crossing
 from zoh.analysis.stability import closed_loop_stable
 from zoh.design import p as p_law
+from zoh.design import pid as pid_law
 from zoh.design.target import ABOVE, BELOW, Response, Target, nearest
 from zoh.errors import Infeasible, SpecError
 from zoh.lti.systems import Sampled
@@ -29,6 +30,8 @@ _STEP_DEG, _SEARCHED_STEP_DEG = 0.5, 5.0  # of the margins looked at; a search t
 _NARROW_DEG = 25.0  # an interval of phases below which fewer degrees are stepped over
 _EDGE_DEG = 1e-7  # what is offered is had within ten times that
 _WORDS = (NEGATIVE_GAINS, UNSTABLE_CONTROLLERS)
+_TURNED = "a negative sensor gain turns it round"
+_OF_THE_ROOM = (1e-3, 0.03, 0.3)  # that a PID's ki has where it has to turn the phase back
 _SMALL_KI = 1e-3  # times wc/|G|: an integral that is there and turns next to nothing
 
 
@@ -63,17 +66,24 @@ def certified(
 
 
 def backwards(sampled: Sampled) -> str:
-    """Return a hint where the plant answers backwards at rest, nothing where it does not.
+    """Return a hint where no stable loop has positive gains at rest, nothing where one may.
+
+    The last coefficient of the closed loop's polynomial in w is the plant's own, which an odd
+    number of unstable poles makes negative, plus one of the gain's sign: it has to become
+    positive, as the first one is. Of a stable plant weak gains may do, and drive it away.
 
     >>> backwards(Sampled(num=[-1.0], den=[1.0, -0.5], dt=0.1))
     'the plant answers backwards at low frequencies: a negative sensor gain turns it round'
-    >>> backwards(Sampled(num=[1.0], den=[1.0, -0.5], dt=0.1))
+    >>> backwards(Sampled(num=[1.0], den=[1.0, -2.0], dt=0.1))  # one unstable pole: as it should
     ''
     """
+    first = next(c for c in sampled.den_w if c)
     top, bottom = (next(c for c in reversed(a) if c) for a in (sampled.num_w, sampled.den_w))
-    if top * bottom > 0:
+    if top * first > 0:
         return ""
-    return "the plant answers backwards at low frequencies: a negative sensor gain turns it round"
+    if bottom * first > 0:
+        return f"the plant answers backwards at low frequencies: {_TURNED}"
+    return f"with positive gains no loop of this unstable plant is stable: {_TURNED}"
 
 
 def advised(
@@ -91,14 +101,18 @@ def advised(
         if progress is not None:
             what = f"{at.pm_deg:.4g} deg at {at.wc:.4g} rad/s"
             progress(f"{law} cannot; is there a {name} of {what}?")
-        try:
-            given = {**_free(name, sampled, at), **wanted}
-            found = solved(name, sampled, at, given, None, also)
-        except Infeasible as here:
-            return _side(here)
-        except (SpecError, OverflowError):  # the last one in what is tried
-            return "its gains are beyond a float"
-        return fails(found.controller, at)
+        why = ""
+        for free in _free(name, sampled, at):
+            try:
+                found = solved(name, sampled, at, {**free, **wanted}, None, also)
+                why = fails(found.controller, at)
+            except Infeasible as here:
+                why = _side(here)
+            except (SpecError, OverflowError):  # the last one in what is tried
+                why = "its gains are beyond a float"
+            if not why:
+                break
+        return why
 
     def works(name: str, at: Crossover, also: frozenset[str] = allow) -> bool:
         return not why_not(name, at, also)
@@ -178,16 +192,22 @@ def _edge(has: Callable[[float], bool], good: float, bad: float) -> float:
     return good
 
 
-def _free(law: str, sampled: Response, spec: Crossover) -> dict[str, float]:
+def _free(law: str, sampled: Response, spec: Crossover) -> list[dict[str, float]]:
     """Return values to try for gains that were not given: modest ones that leave room.
 
-    A small integral; a gain at w = 0 from which a lead has to rise, or a lag to fall, to twice
-    or half of it along the way; for a lead-lag twice what is needed at the crossover.
+    A small integral, then, where it has to turn the phase back, more of it; a gain at w = 0 from
+    which a lead has to rise, or a lag to fall, to twice or half of it along the way; for a
+    lead-lag twice what is needed at the crossover.
     """
     target = Target.of(sampled, spec)
     needed = max(cos(target.theta), 0.1) / target.size
     modest = needed / 2 if target.theta > 0 else 2 / (needed * target.size**2)
-    return {
+    free = {
         "ki": _SMALL_KI * spec.wc / target.size,
         "dc_gain": 2 / target.size if law == "leadlag" else modest,
     }
+    room = pid_law.room(target, sampled.dt / 2) if law == "pid" else None
+    if room is None or room[0] < free["ki"]:
+        return [free]
+    low, high = room
+    return [{**free, "ki": low + (high - low) * share} for share in _OF_THE_ROOM]

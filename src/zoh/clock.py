@@ -25,10 +25,11 @@ from zoh.design.sections import SecondOrder, in_series
 from zoh.errors import Infeasible, NotMet, SpecError
 from zoh.lti.systems import Plant, Sampled
 from zoh.pipeline import design
-from zoh.request import LAWS, checked
+from zoh.request import UNDER_MS, allowed, checked, is_closed
 from zoh.sampling.hold import sample
 from zoh.solving import by_gain_alone, not_as_asked, solved
 from zoh.spec import Crossover, Requirements
+from zoh.workbench import without_cancelled
 
 Seen = tuple[Sampled, Sampled, Margins]  # plant, controller, and what their loop has
 Try = Callable[[float], tuple[Seen | None, str | None]]  # a dt: what came of it, why not
@@ -100,12 +101,13 @@ def sample_times(
     plant: Plant, law: str, given: Mapping[str, float], *,
     requirements: Requirements = NOTHING_ASKED, compute_delay: float = 0.0,
     delay_samples: float = 0.0, dts: Sequence[float] | None = None,
-    sections: Sequence[SecondOrder] = (), reference: float = 1.0, fine: float = EDGE,
+    sections: Sequence[SecondOrder] = (), allow: Sequence[str] = (), reference: float = 1.0,
+    fine: float = EDGE,
 ) -> SampleTimes:  # fmt: skip
     """Return what each sample time costs, and the largest that meets the requirements.
 
     law, given     as for ``zoh.design``; wc in rad/s must be among them
-    sections, reference  likewise
+    sections, allow, reference  likewise
     compute_delay  s, the same at every dt; delay_samples  dt, in samples, added to it
     dts            s, at least two; None looks at 31 from pi/wc/1000 to just below pi/wc
     fine           of the largest, to which it is closed in on; a loop near its edge is slow to see
@@ -122,7 +124,8 @@ def sample_times(
     """
     if not isinstance(plant, Plant):
         raise SpecError("plant", "must be a zoh.Plant", plant, "a table was taken at one dt")
-    known = checked(law, given)
+    words = allowed(allow)
+    known = checked(law, given, words)
     wc = checks.positive("wc", known.get("wc"), "give the crossover in rad/s")
     wait = checks.not_negative("compute_delay", compute_delay, "give seconds, 0 or more")
     samples = checks.not_negative("delay_samples", delay_samples, "give samples, 0 or more")
@@ -131,7 +134,7 @@ def sample_times(
 
     asked = _Asked(
         plant=plant, law=law, given=known, requirements=requirements, sections=sections,
-        reference=reference,
+        words=words, reference=reference,
     )  # fmt: skip
 
     def tried(dt: float) -> tuple[Seen | None, str | None]:
@@ -179,6 +182,7 @@ class _Asked:
     given: Mapping[str, float]
     requirements: Requirements
     sections: Sequence[SecondOrder]
+    words: frozenset[str]
     reference: float
 
     def tried(self, dt: float, delay: float) -> tuple[Seen | None, str | None]:
@@ -186,15 +190,13 @@ class _Asked:
         given, requirements = self.given, self.requirements
         if not given["wc"] * dt < pi:
             return None, "wc is not below the Nyquist frequency pi/dt"
-        whole = self.law == "p" or all(
-            name in given for name in (*LAWS.get(self.law, ("law",)), "pm_deg")
-        )
+        closed = is_closed(self.law, given) and not any(k in given for k in UNDER_MS)
         try:
-            if whole and all(getattr(requirements, name) is None for name in OF_TIME):
+            if closed and all(getattr(requirements, name) is None for name in OF_TIME):
                 return self._by_margins(dt, delay)
             d = design(
                 self.plant, self.law, given, dt=dt, compute_delay=delay, sections=self.sections,
-                requirements=requirements, reference=self.reference,
+                allow=sorted(self.words), requirements=requirements, reference=self.reference,
             )  # fmt: skip
         except NotMet as short:
             d, failure = short.measured, "; ".join(short.misses)
@@ -214,9 +216,14 @@ class _Asked:
         """
         wc, pm_deg = self.given["wc"], self.given.get("pm_deg")
         spec = None if pm_deg is None else Crossover(wc=wc, pm_deg=pm_deg)  # None: a P of its wc
-        fixed, sampled = in_series(self.sections, dt), sample(self.plant, dt, delay)
+        plant, _ = without_cancelled(self.plant, self.words)
+        fixed, sampled = in_series(self.sections, dt), sample(plant, dt, delay)
         behind = fixed * sampled if fixed else sampled
-        law = solved(self.law, behind, spec, self.given) if spec else by_gain_alone(behind, wc)
+        law = (
+            solved(self.law, behind, spec, self.given, None, self.words)
+            if spec
+            else by_gain_alone(behind, wc)
+        )
         controller = law.controller
         controller = controller * fixed if fixed else controller
         m = measure_loop(Loop.of(controller, sampled))

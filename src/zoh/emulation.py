@@ -15,6 +15,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from zoh.analysis.load_error import load_iae
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import measure_loop
 from zoh.analysis.results import Margins
@@ -23,16 +24,18 @@ from zoh.errors import Infeasible, SpecError
 from zoh.lti.poly import times, trim
 from zoh.lti.systems import Plant, Sampled, sample_time
 from zoh.lti.wplane import unwarp, warp
-from zoh.request import check_whole, checked
+from zoh.request import UNDER_MS, allowed, check_whole, checked
 from zoh.sampling.convert import discretise
 from zoh.sampling.hold import sample
 from zoh.solving import solved
 from zoh.spec import Crossover
+from zoh.workbench import without_cancelled
 
 CARRIED_BY = ("tustin", "prewarp", "matched", "zoh", "backward", "forward")
 EXACT = "exact, in w"
 ALONE = "in s, plant alone"
 HOLD_COUNTED = "in s, hold as a delay of dt/2"
+_NO_KI = "its ki is that of the exact design, and there is none"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,14 +69,16 @@ class Emulated:
 
 def emulate(
     plant: Plant, law: str, parameters: Mapping[str, float], *, dt: float,
-    compute_delay: float = 0.0, sections: Sequence[SecondOrder] = (),
+    compute_delay: float = 0.0, sections: Sequence[SecondOrder] = (), allow: Sequence[str] = (),
 ) -> tuple[Emulated, ...]:  # fmt: skip
     """Return the exact design and each emulated one for the same request, measured.
 
     law, parameters  as for ``zoh.design``, wc in rad/s and pm_deg in deg among them
     dt               s; wc must be below pi/dt, where no emulation is asked to do more
     sections         fixed, in series with the law; in s at the frequencies that they name
+    allow            as for ``zoh.design``
 
+    In s a PID with ``largest_ki_ms`` or ``least_iae_ms`` has the ki of the exact design.
     A design that the law cannot make, and a method that cannot carry it over, leave a row with
     the reason. Raises SpecError for what no design function would take.
 
@@ -85,20 +90,83 @@ def emulate(
     """
     if not isinstance(plant, Plant):
         raise SpecError("plant", "must be a zoh.Plant", plant, "a table has no form in s")
-    known = checked(law, parameters)
+    words = allowed(allow)
+    known = checked(law, parameters, words)
     check_whole(law, known, f"to emulate {law}")
     dt = sample_time(dt)
     spec = Crossover(wc=known["wc"], pm_deg=known["pm_deg"]).below_nyquist(dt)
-    fixed, sampled = in_series(sections, dt), sample(plant, dt, compute_delay)
-    rows = [_exact(law, sampled, fixed, spec, known)]
+    plant, _ = without_cancelled(plant, words)
+    asked = _Asked(
+        plant=plant, law=law, spec=spec, words=words, compute_delay=compute_delay,
+        fixed=in_series(sections, dt), sampled=sample(plant, dt, compute_delay),
+    )  # fmt: skip
+    exact = asked.exact(known)
+    rows = [exact.row]
+    if any(name in exact.parameters for name in UNDER_MS):
+        return (*rows, *(_refused(designed, None, _NO_KI) for designed in (ALONE, HOLD_COUNTED)))
     for designed, delay in ((ALONE, 0.0), (HOLD_COUNTED, dt / 2 + compute_delay)):
         try:
-            continuous = _in_s(law, _InPlaceOfW(plant, dt, delay, sections), spec, known)
+            continuous = asked.in_s(_InPlaceOfW(plant, dt, delay, sections), exact.parameters)
         except Infeasible as refused:
-            rows.append(_refused(designed, None, _why(law, spec, refused)))
+            rows.append(_refused(designed, None, asked.why(refused)))
             continue
-        rows += [_carried(continuous, designed, m, sampled, spec) for m in CARRIED_BY]
+        rows += [_carried(continuous, designed, m, asked.sampled, spec) for m in CARRIED_BY]
     return tuple(rows)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Exact:
+    """The row of the exact design, and the parameters that it is to be made with in s."""
+
+    row: Emulated
+    parameters: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Asked:
+    """The request that is made in w and in s."""
+
+    plant: Plant
+    law: str
+    spec: Crossover
+    words: frozenset[str]
+    compute_delay: float
+    fixed: Sampled | None
+    sampled: Sampled
+
+    def exact(self, parameters: Mapping[str, float]) -> _Exact:
+        """Return the exact design; a ki that is searched for there is the same one in s."""
+        fixed = self.fixed
+        behind = fixed * self.sampled if fixed else self.sampled
+        try:
+            found = solved(self.law, behind, self.spec, parameters, self._iae, self.words)
+        except Infeasible as refused:
+            return _Exact(row=_refused(EXACT, None, self.why(refused)), parameters=parameters)
+        whole = found.controller * fixed if fixed else found.controller
+        known = dict(parameters)
+        for name in UNDER_MS:
+            if known.pop(name, None) is not None:
+                known["ki"] = found.gains["ki"]
+        return _Exact(row=_measured(EXACT, None, whole, self.sampled), parameters=known)
+
+    def in_s(self, response: "_InPlaceOfW", parameters: Mapping[str, float]) -> Plant:
+        """Return the law solved in s at s = j wc and the sections, as a continuous controller."""
+        at = Crossover(wc=unwarp(self.spec.wc, response.dt), pm_deg=self.spec.pm_deg)
+        known = {**parameters, "wc": at.wc}
+        found = solved(self.law, response, at, known, None, self.words).controller
+        num, den = trim(found.num_w), found.den_w
+        for section in response.fixed:
+            num, den = times(num, section.num), times(den, section.den)
+        return Plant(num=num, den=den)
+
+    def why(self, refused: Infeasible) -> str:
+        """Return why the law cannot, at the real crossover: in s it is solved at its image in w."""
+        needed = f"{refused.needed_deg:+.4g} deg needed at {self.spec.wc:.6g} rad/s"
+        return f"{self.law} cannot give the {needed}"
+
+    def _iae(self, law: Sampled) -> float:
+        whole = law * self.fixed if self.fixed else law
+        return load_iae(self.plant, whole, self.compute_delay)
 
 
 class _InPlaceOfW:
@@ -119,30 +187,6 @@ class _InPlaceOfW:
         return gain
 
 
-def _in_s(
-    law: str, response: _InPlaceOfW, spec: Crossover, parameters: Mapping[str, float]
-) -> Plant:
-    """Return the law solved in s at s = j wc and the sections, as a continuous controller."""
-    at = Crossover(wc=unwarp(spec.wc, response.dt), pm_deg=spec.pm_deg)
-    found = solved(law, response, at, {**parameters, "wc": at.wc}).controller
-    num, den = trim(found.num_w), found.den_w
-    for section in response.fixed:
-        num, den = times(num, section.num), times(den, section.den)
-    return Plant(num=num, den=den)
-
-
-def _exact(
-    law: str, sampled: Sampled, fixed: Sampled | None, spec: Crossover,
-    parameters: Mapping[str, float],
-) -> Emulated:  # fmt: skip
-    behind = fixed * sampled if fixed else sampled
-    try:
-        found = solved(law, behind, spec, parameters).controller
-    except Infeasible as refused:
-        return _refused(EXACT, None, _why(law, spec, refused))
-    return _measured(EXACT, None, found * fixed if fixed else found, sampled)
-
-
 def _carried(
     continuous: Plant, designed: str, method: str, sampled: Sampled, spec: Crossover
 ) -> Emulated:
@@ -161,8 +205,3 @@ def _measured(designed: str, method: str | None, law: Sampled, sampled: Sampled)
 
 def _refused(designed: str, method: str | None, reason: str) -> Emulated:
     return Emulated(designed=designed, method=method, reason=reason)
-
-
-def _why(law: str, spec: Crossover, refused: Infeasible) -> str:
-    """Return why a law cannot, at the real crossover: in s it was solved at its image in w."""
-    return f"{law} cannot give the {refused.needed_deg:+.4g} deg needed at {spec.wc:.6g} rad/s"

@@ -47,8 +47,9 @@ class Infeasible(ZohError):
                    request, None where there is none
     laws_that_can  the names of the laws that meet the request as it stands
 
-    Where something was left open all that is open was searched: there is no better margin to
-    name, nor a nearest crossover where wc itself was open.
+    The request of these three is the law, its parameters, wc and pm_deg: requirements besides are
+    not counted where nothing was left open. Where something was, they are, and all that is open
+    was searched: there is no better margin to name, nor a nearest crossover where wc was open.
 
     A law's own ``solve`` knows nothing of stability: its ``best_pm_deg`` is the end of the phases.
     """

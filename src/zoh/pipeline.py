@@ -8,15 +8,16 @@ from typing import overload
 
 from zoh.analysis.tabled.verify import TableVerified
 from zoh.analysis.verify import NOTHING_ASKED, Verified
-from zoh.certificate import backwards, certified, least_turn
+from zoh.certificate import backwards, certified
+from zoh.choice.before import contradicted
 from zoh.choice.choose import choose, nothing_asked
 from zoh.choice.judge import Judge
 from zoh.choice.notes import notes
-from zoh.design.p import crossovers
 from zoh.design.sections import SecondOrder, in_series
 from zoh.errors import Infeasible, NotMet
+from zoh.gain_alone import by_one
 from zoh.lti.frequency_response import FrequencyResponse
-from zoh.lti.hidden import unstable_hidden, without_hidden
+from zoh.lti.hidden import unstable_hidden
 from zoh.lti.systems import Plant, Sampled
 from zoh.lti.weights import WEIGHTS
 from zoh.request import (
@@ -31,11 +32,12 @@ from zoh.request import (
     left_open,
 )
 from zoh.sampling.hold import sample
-from zoh.solving import SolvedLaw, by_gain_alone, negated, opposite, solved
+from zoh.solving import opposite, solved
 from zoh.spec import Crossover, Requirements
 from zoh.table_design import check_for_a_table, design_on_table
-from zoh.workbench import Bench
+from zoh.workbench import HIDES, Bench, without_cancelled
 
+_WITH_IT = "the ki is then chosen with the rest, under ms among the requirements"
 _OPEN_IT = "leave wc out, and the fastest that meets everything is looked for"
 _BELOW_THE_EDGE, _LAST = (1.0, 0.9999, 0.999), 0.99  # of the fastest crossover
 
@@ -85,7 +87,7 @@ def design(
             plant, law, parameters, dt=dt, compute_delay=compute_delay, fixed=fixed,
             requirements=requirements, name=name, allow=words, progress=progress,
         )  # fmt: skip
-    plant, cancelled = _cancelled(plant, words)
+    plant, cancelled = without_cancelled(plant, words)
     sampled = sample(plant, dt, compute_delay)
     weights = {k: parameters.pop(k) for k in WEIGHTS if k in parameters}
     bench = Bench(
@@ -95,7 +97,7 @@ def design(
         allowed=(*cancelled, *sorted(words - {CANCELLED_UNSTABLE_MODES})),
     )  # fmt: skip
     if law == "p" and len(parameters) == 1:
-        return _free_p(bench, parameters, words)
+        return by_one(bench, parameters, words)
     if missing:
         check_choosable(law, missing[0])
         return _chosen(bench, parameters, words, sections, progress)
@@ -117,9 +119,10 @@ def _solved(
     except Infeasible as refused:
         if rule:
             raise
-        raise certified(
-            refused, bench.law, bench.sampled, spec, parameters, allow, progress
-        ) from None
+        if unstable_hidden(bench.plant):  # nothing can be had instead
+            raise refused.because(HIDES) from None
+        told = certified(refused, bench.law, bench.sampled, spec, parameters, allow, progress)
+        raise told.because(contradicted(bench.requirements, parameters)) from None
 
 
 def _chosen(
@@ -128,13 +131,39 @@ def _chosen(
 ) -> Verified:  # fmt: skip
     """Return the design whose open parameters were chosen, measured anew.
 
-    Of a plant that answers backwards the opposite is controlled, if negative gains are allowed.
+    Where negative gains are allowed both signs are tried, first the one that the plant needs.
     """
     dt = bench.sampled.dt
     Crossover(
         wc=parameters.get("wc", 1e-9 / dt), pm_deg=parameters.get("pm_deg", 45.0)
     ).below_nyquist(dt)
-    back = NEGATIVE_GAINS in words and bool(backwards(bench.sampled))
+    refusal: Infeasible | None = None
+    for back in _signs(bench.sampled, parameters, words):
+        try:
+            return _chosen_of(bench, parameters, words, sections, progress, back)
+        except Infeasible as refused:
+            refusal = refusal or refused
+    assert refusal is not None, "one sign at least is tried"
+    raise refusal
+
+
+def _signs(
+    sampled: Sampled, parameters: Mapping[str, float], words: frozenset[str]
+) -> tuple[bool, ...]:
+    """Return whether laws of negative gains are tried, one after the other."""
+    if NEGATIVE_GAINS not in words:
+        return (False,)
+    given = [parameters[name] < 0 for name in ("ki", "dc_gain") if name in parameters]
+    back = bool(backwards(sampled))
+    return (given[0],) if given else (back, not back)
+
+
+def _chosen_of(
+    bench: Bench, parameters: Mapping[str, float], words: frozenset[str],
+    sections: Sequence[SecondOrder], progress: Progress | None, back: bool,
+) -> Verified:  # fmt: skip
+    """Return what is chosen among laws of one sign, negative ones where it is ``back``."""
+    dt = bench.sampled.dt
     judge = Judge(
         plant=bench.plant, sampled=bench.sampled, compute_delay=bench.compute_delay,
         requirements=bench.requirements, reference=bench.reference, fixed=bench.fixed,
@@ -160,8 +189,9 @@ def _chosen(
     open_keys = tuple(k for k in chosen.choice.open if k != "ki" or not under)
     try:
         found = _at_the_edge(made, chosen.parameters["wc"], bool(under) and "wc" not in parameters)
-    except NotMet as short:  # what it says to leave open is open
-        raise NotMet(short.misses, short.measured) from None
+    except NotMet as short:
+        way_out = "".join(f"leave {name} out: {_WITH_IT}" for name in under)
+        raise NotMet(short.misses, short.measured, way_out) from None
     choice = replace(chosen.choice, open=open_keys, notes=notes(found, parameters, bench.fixed))
     return replace(found, choice=choice)
 
@@ -172,57 +202,6 @@ def _at_the_edge(made: Callable[[float], Verified], wc: float, may_be_none: bool
         with suppress(Infeasible):
             return made(share * wc)
     return made(_LAST * wc if may_be_none else wc)
-
-
-def _free_p(bench: Bench, parameters: Mapping[str, float], allow: frozenset[str]) -> Verified:
-    """Return the P of a crossover alone, or of a margin alone: there the fastest that holds.
-
-    One of a negative gain, where that is allowed, if none of a positive one holds.
-    """
-    try:
-        return _p_of_one(bench, bench.sampled, parameters)
-    except (Infeasible, NotMet):
-        if NEGATIVE_GAINS not in allow:
-            raise
-        with suppress(Infeasible, NotMet):
-            return _p_of_one(bench, negated(bench.sampled), parameters)
-        raise
-
-
-def _p_of_one(bench: Bench, plant: Sampled, parameters: Mapping[str, float]) -> Verified:
-    """Return the P of one sign: the bench's own, or where ``plant`` is its opposite the other."""
-
-    def law(wc: float) -> SolvedLaw:
-        found = by_gain_alone(plant, wc)
-        return found if plant is bench.sampled else found.opposite()
-
-    if "wc" in parameters:
-        return bench.verified(law(parameters["wc"]), None)
-    pm_deg = Crossover(wc=1.0, pm_deg=parameters["pm_deg"]).pm_deg
-    failure: NotMet | None = None
-    for wc in crossovers(plant, pm_deg):
-        try:
-            return bench.verified(law(wc), Crossover(wc=wc, pm_deg=pm_deg))
-        except NotMet as missed:
-            failure = failure or missed
-    if failure is not None:
-        raise failure
-    raise Infeasible(
-        f"a P turns the phase by nothing, and the plant alone has a margin of {pm_deg:g} deg "
-        "at no frequency below Nyquist's",
-        needed_deg=least_turn(plant, pm_deg),
-    )
-
-
-def _cancelled(plant: Plant, allow: frozenset[str]) -> tuple[Plant, tuple[str, ...]]:
-    """Return the plant without what it hides, where that is unstable and allowed; and the word."""
-    if CANCELLED_UNSTABLE_MODES not in allow or not isinstance(plant, Plant):
-        return plant, ()
-    modes = unstable_hidden(plant)
-    if not modes:
-        return plant, ()
-    listed = ", ".join(f"{s.real:.6g}" if s.imag == 0 else f"{s:.6g}" for s in modes)
-    return without_hidden(plant), (f"{CANCELLED_UNSTABLE_MODES} (s = {listed})",)
 
 
 def _bounded(asked: Requirements, parameters: Mapping[str, float]) -> Requirements:

@@ -132,6 +132,15 @@ def left_open(law: str, parameters: Mapping[str, float]) -> list[str]:
     return [name for name in takes if name not in parameters and not (name == "ki" and closed)]
 
 
+def is_closed(law: str, parameters: Mapping[str, float]) -> bool:
+    """Return whether a crossover is given and all that the law needs there; a P needs no margin.
+
+    >>> is_closed("pid", {"wc": 2.0, "pm_deg": 50.0, "ti_td": 4.0}), is_closed("p", {"pm_deg": 50})
+    (True, False)
+    """
+    return law in LAWS and "wc" in parameters and not left_open(law, parameters)
+
+
 def check_whole(law: str, parameters: Mapping[str, float], why: str) -> None:
     """Raise SpecError where something of the request, its margin included, is left open."""
     left = [*left_open(law, parameters), *(k for k in OF_AUTO if k not in parameters)]

@@ -6,11 +6,15 @@ from dataclasses import dataclass, replace
 from zoh.analysis.load_error import load_iae
 from zoh.analysis.verify import Verified, measure, verified
 from zoh.errors import NotMet
-from zoh.lti.hidden import unstable_hidden
+from zoh.lti.hidden import unstable_hidden, without_hidden
 from zoh.lti.systems import Plant, Sampled
 from zoh.request import CANCELLED_UNSTABLE_MODES
 from zoh.solving import SolvedLaw, not_as_asked
 from zoh.spec import Crossover, Requirements
+
+_WORD = f'allow=["{CANCELLED_UNSTABLE_MODES}"]'
+HIDES = f"the plant hides an unstable mode: {_WORD} takes it out of the model"
+"""What is said of a plant of which no controller can make a stable loop."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,8 +54,18 @@ class Bench:
         evidence = replace(evidence, allowed=self.allowed) if self.allowed else evidence
         off = not_as_asked(evidence.margins, spec)
         if evidence.margins.stable is False and unstable_hidden(self.plant):
-            word = f'allow=["{CANCELLED_UNSTABLE_MODES}"]'
-            off = [f"the plant hides an unstable mode: {word} takes it out of the model"]
+            off = [HIDES]
         if off:
             raise NotMet((*evidence.misses, *off), evidence)
         return verified(evidence)
+
+
+def without_cancelled(plant: Plant, allow: frozenset[str]) -> tuple[Plant, tuple[str, ...]]:
+    """Return the plant without what it hides, where that is unstable and allowed; and the word."""
+    if CANCELLED_UNSTABLE_MODES not in allow:
+        return plant, ()
+    modes = unstable_hidden(plant)
+    if not modes:
+        return plant, ()
+    listed = ", ".join(f"{s.real:.6g}" if s.imag == 0 else f"{s:.6g}" for s in modes)
+    return without_hidden(plant), (f"{CANCELLED_UNSTABLE_MODES} (s = {listed})",)

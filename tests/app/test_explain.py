@@ -83,11 +83,11 @@ def test_what_is_missed_is_followed_by_what_would_do(good, run):
     assert kept["designs"][0]["reasons"][-1].startswith("with wc left open everything is met")
     never = explained(run, good + "[requirements]\nbandwidth = 40\n", "--json")[1]
     assert json.loads(never)["designs"][0]["reasons"][-1].startswith(
-        "no crossover and no margin would do: no pi meets everything asked; of a pi, bandwidth"
+        "with wc and pm_deg left open nothing would do: no pi meets everything asked; of a pi, band"
     )
 
 
-def test_a_given_controller_and_a_table_have_a_budget_and_no_price(run, capsys):
+def test_a_given_controller_has_a_budget_and_no_price(run):
     given = (EXAMPLES / "robot_arm_as_printed.toml").read_text()
     _, out, _ = explained(run, given, "--json")
     for design in json.loads(out)["designs"]:
@@ -162,3 +162,78 @@ def test_what_a_choice_assumed_is_asked_of_every_clock(good):
     (asking,) = explain_all(read(chosen + "[requirements]\npm_deg = 45\nms = 1.7\n"))
     assert silent.entry.measured.choice.assumed
     assert silent.clocks.largest == asking.clocks.largest
+
+
+ARM = """\
+plant.model = "2.3/(s^2 + 0.7809 s)"
+sensor.gain = 0.0666666666666666667
+sampling.dt = 0.1
+"""
+
+
+@pytest.mark.parametrize("how", ["largest_ki_ms", "least_iae_ms"])
+def test_a_ki_under_a_bound_is_priced_as_it_came_out(run, how):
+    text = f"{ARM}[[controller]]\nlaw = 'pid'\nwc = 1.95\npm_deg = 50\n{how} = 1.6\n"
+    code, out, err = explained(run, text, "--json")
+    assert (code, err) == (0, "")
+    (design,) = json.loads(out)["designs"]
+    assert len(design["prices"]) == 13  # the exact one, and two in s by six methods
+    plant = zoh.Plant.parse("2.3/(s^2 + 0.7809 s)", sensor=0.0666666666666666667)
+    found = zoh.pid(plant, dt=0.1, wc=1.95, pm_deg=50, **{how: 1.6})
+    again = {"wc": 1.95, "pm_deg": 50, "ki": found.gains["ki"]}
+    by_hand = [row.to_dict() for row in zoh.emulate(plant, "pid", again, dt=0.1)]
+    told = [row["controller"]["num"] for row in design["prices"]]
+    assert told == [pytest.approx(row["controller"]["num"], rel=1e-9) for row in by_hand]
+    with pytest.raises(zoh.SpecError, match="ki must be given"):
+        zoh.emulate(plant, "pid", {"wc": 1.95, "pm_deg": 50}, dt=0.1)
+
+
+@pytest.mark.parametrize(
+    ("model", "request_"),
+    [
+        ("-2/(s + 1)", "law = 'pi'\nwc = 1.5\npm_deg = 60\nallow = ['negative_gains']\n"),
+        ("-2/(s + 1)", "law = 'pid'\nwc = 1.5\npm_deg = 60\nki = -1\nallow = ['negative_gains']\n"),
+        (
+            "(s - 1)/((s - 1)(s + 2))",
+            "law = 'pi'\nwc = 1.5\npm_deg = 60\nallow = ['cancelled_unstable_modes']\n",
+        ),
+    ],
+)
+def test_what_is_allowed_is_allowed_at_every_clock_and_price(run, tmp_path, model, request_):
+    text = f"plant.model = '{model}'\nsampling.dt = 0.1\n[[controller]]\n{request_}"
+    text += "[requirements]\nms = 1.9\n"
+    code, out, err = explained(run, text, "--json", "--out", str(tmp_path / "out"))
+    assert code == 0, err
+    (design,) = json.loads(out)["designs"]
+    assert design["met"]
+    assert design["prices"][0]["margins"]["phase_margin_deg"] == pytest.approx(60, abs=1e-9)
+    assert all(row["margins"]["stable"] for row in design["prices"][1:3])  # by Tustin, prewarped
+    (own,) = (r for r in design["sample_times"]["rows"] if r["dt"] == pytest.approx(0.1))
+    assert own["failure"] is None
+    assert design["sample_times"]["largest"] >= 0.1
+
+
+def test_a_gain_that_is_given_is_left_open_last(run):
+    text = "plant.model = '1/(s^2 + 2 s)'\nsampling.dt = 0.05\nsampling.compute_delay = 0.02\n"
+    text += "[requirements]\novershoot_pct = 3\nsettling_time = 3\npm_deg = 60\n"
+    text += "[[controller]]\nlaw = 'lead'\nwc = 2\npm_deg = 60\ndc_gain = 3\n"
+    _, out, _ = explained(run, text, "--json")
+    said = json.loads(out)["designs"][0]["reasons"][-1]
+    assert said.startswith("with wc and pm_deg and dc_gain left open everything is met: by the f")
+    plant = zoh.Plant(num=[1], den=[1, 2, 0])
+    asked = zoh.Requirements(overshoot_pct=3, settling_time=3, pm_deg=60)
+    by_hand = zoh.lead(
+        plant, dt=0.05, compute_delay=0.02, wc=1.3, pm_deg=68, dc_gain=2.5, requirements=asked
+    )
+    assert float(said.split(" at ")[1].split(" rad/s")[0]) >= by_hand.margins.crossover
+
+
+def test_what_would_do_asks_for_no_more_than_was_asked(run):
+    text = f"{ARM}actuator.min = -1\nactuator.max = 1\n[requirements]\nms = 1.6\n"
+    text += "[[controller]]\nlaw = 'pi'\nwc = 0.8\npm_deg = 40\n"
+    _, out, _ = explained(run, text, "--json")
+    said = json.loads(out)["designs"][0]["reasons"][-1]
+    plant = zoh.Plant.parse("2.3/(s^2 + 0.7809 s)", sensor=0.0666666666666666667)
+    fastest = zoh.pi(plant, dt=0.1, pm_deg=40, requirements=zoh.Requirements(ms=1.6))
+    assert f"at {fastest.margins.crossover:.6g} rad/s" in said
+    assert max(map(abs, fastest.step.effort_range)) > 1  # beyond the ends, which nobody asked about

@@ -36,9 +36,11 @@ def test_what_cannot_come_to_no_error_is_not_searched():
 def test_a_search_says_where_it_is():
     said = []
     zoh.design(ARM, "pi", {}, dt=0.1, requirements=ASKED, progress=said.append)
-    assert len(said) > 10
-    assert all(s.startswith("pi: is everything met at ") for s in said)
-    assert len(set(said)) == len(said)
+    asked = [s for s in said if s.startswith("pi: is everything met at ")]
+    assert len(asked) > 10
+    assert len(set(asked)) == len(asked)
+    # crossovers at which many designs are looked at say how many
+    assert all(" measured at " in s for s in said if s not in asked)
 
 
 @pytest.mark.parametrize("how", ["largest_ki_ms", "least_iae_ms"])
@@ -94,11 +96,86 @@ def test_a_choice_counts_with_what_stands_in_series():
             )  # fmt: skip
 
 
-def test_auto_comes_to_a_lead_lag_last():
-    # a plant without a gain at rest lets no law through, and all of them are named in their order
-    with pytest.raises(zoh.Infeasible, match="no law meets everything"):
-        zoh.design(zoh.Plant.parse("s/(s+1)"), "auto", {}, dt=0.1)
-    assert FROM_THE_SIMPLEST == ("p", "pi", "pd", "lead", "lag", "pid", "leadlag")
+def test_auto_tries_the_laws_from_the_simplest_up():
+    """No error at rest behind a lag: of the simple laws a PI alone, and its bandwidth is small."""
+    plant = zoh.Plant(num=[1], den=[1, 1.2, 0.2])
+    asked = zoh.Requirements(ms=1.6, pm_deg=50, steady_state_error=0.0, bandwidth=2.0)
+    d = zoh.design(plant, "auto", {}, dt=0.05, requirements=asked)
+    assert d.law == "pid"
+    assert [law for law, _ in d.choice.tried] == list(FROM_THE_SIMPLEST[:5])
+    whys = dict(d.choice.tried)
+    assert "bandwidth must be at least 2" in whys["pi"]
+    assert all("neither the law nor the plant integrates" in whys[n] for n in ("p", "pd", "lead"))
+
+
+@pytest.mark.parametrize(
+    ("plant", "dt", "law", "asked", "meets"),
+    [
+        # pure integrators have no corner below Nyquist's frequency, and a dead time is none
+        (zoh.Plant(num=[1], den=[1, 0], dead_time=2), 0.01, "p", {}, {"wc": 0.2}),
+        (zoh.Plant(num=[1], den=[1, 0]), 1e-3, "p", {"peak_effort": 1, "ms": 2}, {"wc": 0.99}),
+        (zoh.Plant(num=[1], den=[1, 0]), 1e-3, "p", {"delay_margin": 1, "ms": 2}, {"wc": 1.5}),
+        (
+            zoh.Plant(num=[1], den=[1, 0, 0]), 1e-3, "pd", {"peak_effort": 1, "ms": 2},
+            {"wc": 1e-3, "pm_deg": 40},
+        ),
+        (ARM, 0.1, "p", {"peak_effort": 1e-3, "ms": 2}, {"wc": 1e-4}),
+    ],
+)  # fmt: skip
+def test_what_is_met_far_below_every_corner_is_found(plant, dt, law, asked, meets):
+    asked = zoh.Requirements(**asked) if asked else zoh.Requirements(pm_deg=45, ms=1.7)
+    known = zoh.design(plant, law, meets, dt=dt, requirements=asked)
+    found = zoh.design(plant, law, {}, dt=dt, requirements=asked)
+    assert found.margins.crossover >= known.margins.crossover
+    assert found.met
+
+
+def test_what_was_tried_is_said_where_nothing_is_met():
+    asked = zoh.Requirements(gain_margin_db=500.0)
+    with pytest.raises(zoh.Infeasible, match=r"\(tried from 31.38 down to 8.0\d\de-09 rad/s\)"):
+        zoh.p(ARM, dt=0.1, requirements=asked)
+
+
+@pytest.mark.parametrize("given", [{"wc": 20.0}, {"wc": 20.0, "pm_deg": 50.0}])
+def test_the_nearest_crossover_of_auto_is_that_of_the_best_law(given):
+    with pytest.raises(zoh.Infeasible) as refused:
+        zoh.design(ARM, "auto", given, dt=0.1)
+    nearest = refused.value.nearest_wc
+    asked = zoh.Requirements(ms=1.7, pm_deg=45)
+    for law in ("pd", "lead"):
+        known = {k: v for k, v in given.items() if k != "wc"}
+        fastest = zoh.design(ARM, law, known, dt=0.1, requirements=asked).margins.crossover
+        assert nearest >= fastest * (1 - 2e-4)  # to which the edge is closed in on, twice
+
+
+def test_a_plant_that_answers_backwards_is_spoken_of_as_it_is():
+    plant, words = zoh.Plant(num=[-2], den=[1, 1]), ["negative_gains"]
+    asked = zoh.Requirements(effort_min=-3.0, ms=1.8)
+    d = zoh.pi(plant, dt=0.1, requirements=asked, allow=words)
+    assert d.met
+    assert any("effort_min must be at least -3, measured -3.0" in s for s in d.choice.limits)
+    with pytest.raises(zoh.Infeasible, match=r"at least -0\.4, and at rest it is -0\.5"):
+        zoh.pi(plant, dt=0.1, requirements=zoh.Requirements(effort_min=-0.4), allow=words)
+
+
+def test_a_p_of_a_margin_says_why_no_faster_one():
+    d = zoh.design(ARM, "auto", {"pm_deg": 60}, dt=0.1, requirements=zoh.Requirements(ms=1.5))
+    assert d.law == "p"
+    assert d.choice.limits == ("the plant has a margin of 60 deg at no faster crossover",)
+
+
+def test_a_ki_under_a_bound_that_misses_something_else_says_what_to_leave_out():
+    asked = zoh.Requirements(overshoot_pct=10)
+    with pytest.raises(zoh.NotMet, match="leave largest_ki_ms out: the ki is then chosen with"):
+        zoh.pid(ARM, dt=0.1, largest_ki_ms=1.6, requirements=asked)
+    free = zoh.pid(ARM, dt=0.1, requirements=zoh.Requirements(overshoot_pct=10, ms=1.6))
+    assert free.met
+
+
+def test_an_improper_controller_is_judged_without_its_first_effort():
+    asked = zoh.Requirements(peak_effort=5)
+    with pytest.raises(zoh.Infeasible, match="no pd meets everything"):
+        zoh.pd(ARM, dt=0.1, filter_pole=-20, allow=["unstable_controllers"], requirements=asked)
 
 
 def test_a_margin_that_alone_makes_the_peak_too_high_is_not_searched():

@@ -70,7 +70,27 @@ def test_as_data_and_as_a_figure():
 def test_what_has_no_map_is_refused():
     with pytest.raises(zoh.SpecError, match="law must be one of pi, pd, pid, lead, lag"):
         zoh.law_map(ARM, "p", dt=0.1)
-    with pytest.raises(zoh.SpecError, match="ki is no parameter of a map of pi"):
+    with pytest.raises(zoh.SpecError, match="ki is no parameter of pi"):
         zoh.law_map(ARM, "pi", dt=0.1, given={"ki": 1.0})
     with pytest.raises(zoh.SpecError, match="points must be a whole number of 2 or more"):
         zoh.law_map(ARM, "pi", dt=0.1, points=(1, 4))
+
+
+def test_a_map_knows_setpoint_weights_and_negative_gains():
+    asked = zoh.Requirements(overshoot_pct=2.0, ms=1.7)
+    given = {"setpoint_weight": 0.0}
+    weighted = zoh.law_map(ARM, "pi", dt=0.1, requirements=asked, given=given, points=(9, 7))
+    plain = zoh.law_map(ARM, "pi", dt=0.1, requirements=asked, points=(9, 7))
+    assert weighted.met.any()
+    assert not plain.met.any()
+    opposite = zoh.Plant(num=[-2.3], den=[1, 0.7809, 0], sensor=12 / 180)
+    turned = zoh.law_map(
+        opposite, "pi", dt=0.1, requirements=asked, given=given, points=(9, 7),
+        allow=["negative_gains"],
+    )  # fmt: skip
+    np.testing.assert_array_equal(turned.met, weighted.met)
+    for name in ("wc", "pm_deg"):
+        with pytest.raises(zoh.SpecError, match="is no parameter of a map of pi"):
+            zoh.law_map(ARM, "pi", dt=0.1, given={name: 1.0})
+    with pytest.raises(zoh.SpecError, match="ti_td must not be given beside ki"):
+        zoh.law_map(ARM, "pid", dt=0.1, given={"ki": 1.0, "ti_td": 4.0})

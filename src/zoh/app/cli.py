@@ -87,6 +87,7 @@ def _check(arguments: Namespace) -> int:
 
 def _explain(arguments: Namespace) -> int:
     from zoh.app import explain
+    from zoh.app.explain_text import as_text
 
     project = read(files.read_text(arguments.file), files.beside(arguments.file))
     _refuse_early(arguments, "explain.json")
@@ -98,7 +99,7 @@ def _explain(arguments: Namespace) -> int:
     if arguments.json:
         print(_json(explain.to_dict(project, explained)), end="")
     else:
-        _console().out(explain.as_text(project, explained))
+        _console().out(as_text(project, explained))
     return _verdict(project, [e.entry for e in explained])
 
 

@@ -102,7 +102,7 @@ def designed(project: Project, request: Request, progress: Progress | None = Non
                 progress=None if progress is None else lambda said: progress(f"{name}, {said}"),
                 dt=project.dt,
                 compute_delay=project.compute_delay,
-                requirements=_requirements(project, request),
+                requirements=requirements_of(project, request),
                 reference=project.reference,
                 name=name,
             )
@@ -113,7 +113,7 @@ def designed(project: Project, request: Request, progress: Progress | None = Non
     return Entry(name=name, law=law, measured=made)
 
 
-def _requirements(project: Project, request: Request) -> Requirements:
+def requirements_of(project: Project, request: Request) -> Requirements:
     """Return what is asked; of what is left open, to stay within the actuator's ends, too.
 
     The reference of the file is in output units; the sensor turns it into what is compared.

@@ -3,13 +3,12 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import pi
-from textwrap import fill
 from typing import Any
 
 import zoh
 from zoh.analysis.budget import Budget, budget
 from zoh.analysis.verify import Measured
-from zoh.app.commands import Entry, design_all, warnings
+from zoh.app.commands import Entry, design_all, requirements_of, warnings
 from zoh.app.instead import instead
 from zoh.app.project import Given, Project, Request
 from zoh.choice.map import MAPPED, Map, law_map
@@ -17,11 +16,11 @@ from zoh.clock import SampleTimes, sample_times
 from zoh.design.sections import SecondOrder
 from zoh.emulation import Emulated, emulate
 from zoh.lti.systems import Plant
+from zoh.lti.weights import WEIGHTS
 from zoh.report.text import number
-from zoh.request import LAWS, SPARE, Progress, left_open
+from zoh.request import LAWS, SPARE, Progress, is_closed
 
 _SIX_DIGITS = 1e-7  # to which the longest sample time is found, for six are printed
-_WIDTH = 100  # columns; a sentence is folded there
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -103,8 +102,8 @@ def _priceable(project: Project, asked: Request | Given, entry: Entry) -> Pricea
         known |= {n: chosen[n] for n in takes if n not in known}
     if law == "p" and "pm_deg" not in asked.parameters:
         known.pop("pm_deg", None)
-    fixed = law in LAWS and not left_open(law, known) and "wc" in known
-    return Priceable(plant=project.plant, law=law, parameters=known) if fixed else None
+    closed = is_closed(law, known)
+    return Priceable(plant=project.plant, law=law, parameters=known) if closed else None
 
 
 def _budget(project: Project, entry: Entry) -> Budget | None:
@@ -120,12 +119,12 @@ def _prices(project: Project, of: Priceable, asked: Request | Given) -> tuple[Em
         return ()
     return emulate(
         of.plant, of.law, of.parameters, dt=project.dt, compute_delay=project.compute_delay,
-        sections=_sections(asked),
+        sections=_sections(asked), allow=_allow(asked),
     )  # fmt: skip
 
 
 def _clocks(project: Project, of: Priceable, asked: Request | Given, entry: Entry) -> SampleTimes:
-    """Return what clocks from eight times as fast to as slow as wc allows would cost.
+    """Return what clocks from eight times as fast to 64 times as slow, as wc allows, would cost.
 
     What a choice assumed, where nothing was asked, is asked of every clock.
     """
@@ -134,7 +133,8 @@ def _clocks(project: Project, of: Priceable, asked: Request | Given, entry: Entr
     return sample_times(
         of.plant, of.law, of.parameters,
         requirements=found.requirements if found and assumed else project.requirements,
-        compute_delay=project.compute_delay, sections=_sections(asked), reference=project.reference,
+        compute_delay=project.compute_delay, sections=_sections(asked), allow=_allow(asked),
+        reference=project.reference,
         dts=[project.dt * 2.0**k for k in range(-3, 7) if project.dt * 2.0**k < slowest],
         fine=_SIX_DIGITS,
     )  # fmt: skip
@@ -142,6 +142,10 @@ def _clocks(project: Project, of: Priceable, asked: Request | Given, entry: Entr
 
 def _sections(asked: Request | Given) -> tuple[SecondOrder, ...]:
     return asked.sections if isinstance(asked, Request) else ()
+
+
+def _allow(asked: Request | Given) -> tuple[str, ...]:
+    return asked.allow if isinstance(asked, Request) else ()
 
 
 def _reasons(project: Project, entry: Entry, found: Budget | None) -> list[str]:
@@ -170,12 +174,12 @@ def maps(project: Project, explained: Sequence[Explained]) -> Iterator[tuple[Ent
         if not isinstance(project.plant, Plant) or not isinstance(asked, Request):
             continue
         if law in MAPPED and not asked.sections:  # a map knows no sections
-            known = (*LAWS[law][2:], "filter_pole", "ti_td")
+            known = (*LAWS[law][2:], "filter_pole", "ti_td", *WEIGHTS)
             shown = e.entry.measured if isinstance(e.entry.measured, Measured) else None
+            required = requirements_of(project, asked) if shown is None else shown.requirements
             yield e.entry, law_map(
                 project.plant, law, dt=project.dt, compute_delay=project.compute_delay,
-                requirements=project.requirements if shown is None else shown.requirements,
-                reference=project.reference,
+                requirements=required, reference=project.reference, allow=asked.allow,
                 given={k: v for k, v in asked.parameters.items() if k in known},
             )  # fmt: skip
 
@@ -189,67 +193,3 @@ def to_dict(project: Project, explained: Sequence[Explained]) -> Mapping[str, An
         "designs": [e.to_dict() for e in explained],
         "warnings": list(warnings(project, [e.entry for e in explained])),
     }
-
-
-def as_text(project: Project, explained: Sequence[Explained]) -> str:
-    """Return the same for people: budget, prices and reasons of each controller."""
-    blocks = [_block(e) for e in explained]
-    notes = [_wrapped(f"note: {n}") for n in warnings(project, [e.entry for e in explained])]
-    return "\n\n".join([*blocks, *notes])
-
-
-def _block(e: Explained) -> str:
-    lines = [f"{e.entry.name}: {e.entry.law}"]
-    if e.budget is not None:
-        lines += ["where the degrees went", *e.budget.report().splitlines()]
-    if e.prices:
-        lines += [
-            "what the same request would be worth, designed otherwise",
-            *_price_table(e.prices),
-        ]
-    if e.clocks is not None:
-        lines += ["what another sample time would cost", *_clock_table(e.clocks)]
-    lines += ["why", *(f"  {reason}" for reason in e.reasons)]
-    return "\n".join(_wrapped(line) for line in lines)
-
-
-def _wrapped(line: str) -> str:
-    """Return a long sentence in lines that a terminal holds; a table's row is never as long."""
-    if len(line) <= _WIDTH:
-        return line
-    return fill(line, _WIDTH, initial_indent="  ", subsequent_indent="    ")
-
-
-def _price_table(rows: Sequence[Emulated]) -> list[str]:
-    width = max(len(row.designed) for row in rows)
-    head = f"{'carried by':<10}  {'PM, deg':>8}  {'at, rad/s':>9}  {'Ms':>6}"
-    lines = [f"{row.designed:<{width}}  {row.method or '':<10}  {_worth(row)}" for row in rows]
-    return [f"  {line}" for line in (f"{'designed':<{width}}  {head}", *lines)]
-
-
-def _worth(row: Emulated) -> str:
-    m = row.margins
-    if m is None:
-        return row.reason or ""
-    end = "" if m.stable else "  UNSTABLE"
-    return f"{number(m.phase_margin_deg):>8}  {number(m.crossover):>9}  {number(m.ms):>6}{end}"
-
-
-def _clock_table(found: SampleTimes) -> list[str]:
-    lines = [f"{'dt, s':>10}  {'hold, deg':>9}  {'delay, deg':>10}  {'Ms':>6}  {'bits':>4}"]
-    for row in found.rows:
-        cost = f"{number(row.dt):>10}  {number(row.hold_deg):>9}  {number(row.delay_deg):>10}"
-        bits = number(row.bits)
-        end = "" if row.failure is None else "  not met"
-        lines.append(f"{cost}  {number(row.ms):>6}  {bits:>4}{end}")
-    if found.largest is None:
-        lines.append(f"none of these meets the requirements: {found.limited_by}")
-    elif found.limited_by is None:
-        lines.append(
-            f"the longest that was tried does: {found.largest:.6g} s; longer ones may, too"
-        )
-    else:
-        lines.append(
-            f"the longest that does is {found.largest:.6g} s; beyond it: {found.limited_by}"
-        )
-    return [f"  {line}" for line in lines]

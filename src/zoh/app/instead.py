@@ -1,13 +1,14 @@
 """What could be asked for instead of a request that misses something: found by leaving it open."""
 
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Mapping
 
 from zoh.analysis.verify import Measured
-from zoh.app.commands import Entry, designed
+from zoh.app.commands import Entry
 from zoh.app.project import Project, Request
+from zoh.errors import Infeasible, NotMet
 from zoh.lti.systems import Plant
-from zoh.request import OF_AUTO, Progress, left_open
+from zoh.pipeline import design
+from zoh.request import SPARE, Progress, is_closed
 
 _RULE = "textbook_lag"  # which has nothing to choose by
 
@@ -17,33 +18,39 @@ def instead(
 ) -> str | None:
     """Return the fastest design of the same law that misses nothing, in words.
 
-    The margin is kept first, then left open, too. None where nothing is missed, or the request
-    has left something open already.
+    The margin is kept first, then left open, too, and at last a ki or dc_gain; what is asked is
+    what was. None where nothing is missed, or the request has left something open already.
     """
-    found = entry.measured
-    whole = "wc" in request.parameters and not left_open(request.law, request.parameters)
-    if not isinstance(project.plant, Plant) or not isinstance(found, Measured):
-        return None
-    if not entry.failure or not whole or request.law == _RULE:
+    missed, plant = isinstance(entry.measured, Measured) and entry.failure, project.plant
+    closed = is_closed(request.law, request.parameters) and request.law != _RULE
+    if not missed or not closed or not isinstance(plant, Plant):
         return None
     why = ""
-    for tried in _opened(request):
-        other = designed(project, tried, progress)
-        why = other.failure or ""
-        if not why and isinstance(other.measured, Measured):
-            m = other.measured.margins
-            left = " and ".join(name for name in OF_AUTO if name not in tried.parameters)
+    for given in _opened(request.parameters):
+        left = " and ".join(name for name in request.parameters if name not in given)
+        try:
+            found = design(
+                plant, request.law, given, dt=project.dt, compute_delay=project.compute_delay,
+                sections=request.sections, allow=request.allow, reference=project.reference,
+                requirements=project.requirements, progress=progress,
+            )  # fmt: skip
+        except Infeasible as refused:
+            why = f"with {left} left open nothing would do: {refused}"
+        except NotMet as short:
+            why = f"with {left} left open it is not mended: {short}"
+        else:
+            m = found.margins
             return (
                 f"with {left} left open everything is met: by the fastest {request.law} at "
                 f"{m.crossover:.6g} rad/s, with a margin of {m.phase_margin_deg:.4g} deg"
             )
-    return f"no crossover and no margin would do: {why}"
+    return why
 
 
-def _opened(request: Request) -> Iterator[Request]:
-    """Yield the request with its crossover left open, and with its margin as well."""
-    for dropped in (("wc",), OF_AUTO):
-        known = {k: v for k, v in request.parameters.items() if k not in dropped}
-        if dropped == ("wc",) and "pm_deg" not in known:
-            continue
-        yield replace(request, parameters=known)
+def _opened(parameters: Mapping[str, float]) -> Iterator[dict[str, float]]:
+    """Yield the parameters with the crossover left open, the margin, too, and the free gain."""
+    given = dict(parameters)
+    for names in (("wc",), ("pm_deg",), ("dc_gain", *SPARE)):
+        left = [given.pop(name) for name in names if name in given]
+        if left:
+            yield dict(given)

@@ -14,6 +14,9 @@ from zoh.analysis.asked import of_effort
 from zoh.analysis.results import StepInfo
 from zoh.choice.fastest import least_ms
 from zoh.choice.judge import Judge
+from zoh.lti.hidden import unstable_hidden
+from zoh.spec import Requirements
+from zoh.workbench import HIDES
 
 _INTEGRATES = ("pi", "pid")
 _ROUNDING = 1e-9  # relative: what misses by rounding alone is met
@@ -22,26 +25,38 @@ _ROUNDING = 1e-9  # relative: what misses by rounding alone is met
 def why_never(judge: Judge, law: str, given: Mapping[str, float]) -> str:
     """Return why no loop of this law can meet everything asked; "" if one may."""
     return (
-        another_margin(judge, given)
-        or peaks_by_itself(judge, given)
+        hides_an_unstable_mode(judge)
+        or contradicted(judge.requirements, given)
         or too_wide(judge)
+        or too_soon(judge)
+        or too_quiet(judge)
         or never_at_rest(judge, law)
         or always_beyond(judge, law, given)
         or pushed_the_wrong_way(judge, law)
     )
 
 
-def another_margin(judge: Judge, given: Mapping[str, float]) -> str:
+def hides_an_unstable_mode(judge: Judge) -> str:
+    """Return that every loop is unstable, for what the plant hides is; "" if it is not."""
+    return HIDES if unstable_hidden(judge.plant) else ""
+
+
+def contradicted(asked: Requirements, given: Mapping[str, float]) -> str:
+    """Return how the margin given contradicts what is required; "" if it does not."""
+    return another_margin(asked, given) or peaks_by_itself(asked, given)
+
+
+def another_margin(asked: Requirements, given: Mapping[str, float]) -> str:
     """Return that the margin given is less than the one required; "" if it is not."""
-    least = judge.requirements.pm_deg
+    least = asked.pm_deg
     if least is None or given.get("pm_deg", least) >= least * (1 - _ROUNDING):
         return ""
     return f"pm_deg must be at least {least:g}, and a margin of {given['pm_deg']:g} deg is asked"
 
 
-def peaks_by_itself(judge: Judge, given: Mapping[str, float]) -> str:
+def peaks_by_itself(asked: Requirements, given: Mapping[str, float]) -> str:
     """Return why no loop of the margin given is under the peak allowed; "" if one may be."""
-    most = judge.requirements.ms
+    most = asked.ms
     if most is None or "pm_deg" not in given:
         return ""
     least = least_ms(given["pm_deg"])
@@ -57,6 +72,22 @@ def too_wide(judge: Judge) -> str:
     if asked is None or asked < nyquist:
         return ""
     return f"bandwidth must be at least {asked:g}, and the Nyquist frequency is {nyquist:.6g} rad/s"
+
+
+def too_soon(judge: Judge) -> str:
+    """Return why no step settles as soon as asked: it does not begin by then; "" if one may."""
+    asked, plant = judge.requirements.settling_time, judge.plant
+    late = max(plant.dead_time + judge.compute_delay, 0.0 if judge.through else judge.sampled.dt)
+    if asked is None or asked >= late * (1 - _ROUNDING) or plant.num[-1] == 0:
+        return ""
+    return f"settling_time must be at most {asked:g}, and no response begins before {late:.6g} s"
+
+
+def too_quiet(judge: Judge) -> str:
+    """Return that every loop passes some of the sensor's noise on; "" if none is forbidden to."""
+    if judge.requirements.noise_gain != 0:
+        return ""
+    return "noise_gain must be at most 0, and every controller passes some noise on"
 
 
 def never_at_rest(judge: Judge, law: str) -> str:

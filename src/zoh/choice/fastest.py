@@ -14,11 +14,12 @@ from dataclasses import dataclass
 from math import asin, degrees, inf, pi, radians, sin
 
 from zoh.choice.climb import Height, HighEnough, Point, climb, coarse, grid, tops
-from zoh.choice.freedom import LEAST_DEG, Freedom, keeps_zeros_fast, second_is_open
+from zoh.choice.freedom import LEAST_DEG, SLOWEST, Freedom, keeps_zeros_fast, second_is_open
 from zoh.choice.judge import Judge, Judgement
 from zoh.choice.sieve import Sieve
 from zoh.errors import Infeasible, SpecError
 from zoh.lti.systems import Sampled
+from zoh.lti.wplane import warp
 from zoh.request import Progress
 from zoh.solving import SolvedLaw, solved
 from zoh.spec import Crossover
@@ -38,6 +39,7 @@ _LEAST = 1e-6  # of that, where the search ends in any case
 _BETTER = 1e-6  # of slack: a slower crossover that gains less, below the corners, is the last
 _ROUNDING_DEG = 1e-6  # below the least margin that a peak allows, so that rounding leaves it in
 _NYQUIST = 0.999  # of pi/dt is the fastest that is tried
+_TOLD = 50  # designs measured at one crossover between two words of progress
 _NOWHERE = -5.0  # slack: the law cannot give the least margin there
 
 
@@ -106,7 +108,7 @@ class Search:
             far = min(0.0, here.judgement.height - _FAR) if wc > bottom else -1.0
             wc /= 1 + step * min(_STRIDE, 1 - (_STRIDE - 1) * far)
         if above is None or nearest is None:
-            return Edge(best=Trial(wc=top, judgement=self._nowhere(0.0)), above=None)
+            return Edge(best=Trial(wc=top, judgement=self._nowhere(top, 0.0)), above=None)
         return Edge(best=nearest, above=None, tried=(above.wc, top))
 
     def at(
@@ -121,11 +123,13 @@ class Search:
         least = max(self.judge.requirements.pm_deg or 0.0, of_peak)
         freedom = Freedom.of(self.law, self.judge.facing, wc, self.fixed, least)
         if freedom is None:
-            return Trial(wc=wc, judgement=self._nowhere(least))
+            return Trial(wc=wc, judgement=self._nowhere(wc, least))
         known: dict[Point, Judgement] = {}
 
         def height(point: Point) -> float:
             if point not in known:
+                if self.progress is not None and known and len(known) % _TOLD == 0:
+                    self.progress(f"{self.law}: {len(known)} measured at {wc:.7g} rad/s")
                 known[point] = self.judge.of(self.law, freedom.parameters(point), _BY_ITS_SIZE)
                 if known[point].slack >= enough:
                     raise HighEnough
@@ -140,10 +144,13 @@ class Search:
         best = max(known, key=lambda p: known[p].height)
         return Trial(wc=wc, point=best, parameters=freedom.parameters(best), judgement=known[best])
 
-    def _nowhere(self, least: float) -> Judgement:
-        """Return that the law cannot give the margin given, or the least one in degrees."""
-        wanted = self.fixed.get("pm_deg", max(least, LEAST_DEG))
-        slow = " with no zero slower than wc/10" if keeps_zeros_fast(self.law, self.fixed) else ""
+    def _nowhere(self, wc: float, least: float) -> Judgement:
+        """Return that the law cannot give the margin given, or the least one in degrees, at wc."""
+        wanted, slow = self.fixed.get("pm_deg", max(least, LEAST_DEG)), ""
+        if keeps_zeros_fast(self.law, self.fixed):
+            slow = f" with no zero slower than {SLOWEST * warp(wc, self.judge.facing.dt):.4g} rad/s"
+        if self.law == "leadlag" and "lag_ratio" not in self.fixed:
+            slow += ", its lead centred (a lag_ratio moves it)"
         failed = f"the law cannot give a margin of {wanted:.4g} deg{slow}"
         return Judgement(slack=_NOWHERE, failed=failed)
 

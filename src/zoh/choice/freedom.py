@@ -221,7 +221,7 @@ def _margins(
     found = []
     for whole in (-360.0, 0.0, 360.0):
         least = max(low + inset + whole, least_pm, LEAST_DEG)
-        most = min(high - inset + whole, 180.0 - LEAST_DEG)
+        most = min(high - inset + whole, 180.0 - _INSET)
         given = fixed.get("pm_deg")
         if given is not None and low + whole < given < high + whole:
             return given, given

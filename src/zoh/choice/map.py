@@ -5,7 +5,7 @@ it. A point is measured as every design is, but for proofs that are dear; it is 
 by, and a design made from it is measured anew.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf, isfinite, pi
 from typing import Any
@@ -15,15 +15,20 @@ import numpy.typing as npt
 
 from zoh import checks
 from zoh.analysis.asked import checked
+from zoh.certificate import backwards
 from zoh.choice.choose import ASSUMED, nothing_asked
 from zoh.choice.fastest import slowest_corner
 from zoh.choice.freedom import Freedom
 from zoh.choice.judge import Judge, Judgement
 from zoh.errors import SpecError
 from zoh.lti.systems import Plant, Sampled
-from zoh.request import LAWS, OPTIONS
+from zoh.lti.weights import WEIGHTS
+from zoh.request import NEGATIVE_GAINS, OF_AUTO, UNDER_MS, allowed
+from zoh.request import checked as checked_parameters
 from zoh.sampling.hold import sample
+from zoh.solving import opposite
 from zoh.spec import Requirements
+from zoh.workbench import without_cancelled
 
 Array = npt.NDArray[np.float64]
 
@@ -71,11 +76,14 @@ class Map:
 def law_map(
     plant: Plant, law: str, *, dt: float, compute_delay: float = 0.0,
     requirements: Requirements | None = None, reference: float = 1.0,
-    given: Mapping[str, float] | None = None, points: tuple[int, int] = (40, 24),
+    given: Mapping[str, float] | None = None, allow: Sequence[str] = (),
+    points: tuple[int, int] = (40, 24),
 ) -> Map:  # fmt: skip
     """Return the map of a law, ``points`` crossovers by margins.
 
-    ``given`` are parameters of the law that are not open (ki, dc_gain, filter_pole, ti_td).
+    ``given`` are parameters of the law that are not open (ki, dc_gain, filter_pole, ti_td, the
+    setpoint weights); ``allow`` is as for ``zoh.design``. On a plant that answers backwards, where
+    negative gains are allowed, all of them are negative.
     Without requirements those of an open choice are assumed: pm_deg 45 and ms 1.7. Raises
     SpecError for what is no plant, no law, or a table.
 
@@ -88,24 +96,29 @@ def law_map(
     if not isinstance(law, str) or law not in MAPPED:
         raise SpecError("law", f"must be one of {', '.join(MAPPED)}", law, "choose one of these")
     across, up = (checks.whole("points", n, 2, "two numbers of points") for n in points)
-    fixed = _fixed(law, given or {})
+    words = allowed(allow)
+    fixed = _fixed(law, given or {}, words)
+    weights = {name: fixed.pop(name) for name in WEIGHTS if name in fixed}
     asked = checked(Requirements() if requirements is None else requirements)
     asked = ASSUMED if nothing_asked(asked) else asked
+    plant, _ = without_cancelled(plant, words)
     sampled = sample(plant, dt, compute_delay)
+    back = NEGATIVE_GAINS in words and bool(backwards(sampled))
     judge = Judge(
         plant=plant, sampled=sampled, compute_delay=compute_delay, requirements=asked,
-        reference=reference,
+        reference=reference, weights=weights, back=back,
     )  # fmt: skip
+    fixed = opposite(fixed) if back else fixed
     wc = _crossovers(sampled, across)
     pm_deg, slack = np.full((up, across), np.nan), np.full((up, across), np.nan)
     values = {name: np.full((up, across), np.nan) for name in _names(asked)}
     for j, w in enumerate(wc.tolist()):
-        whole = Freedom.of(law, sampled, w, fixed, 0.0)
+        whole = Freedom.of(law, judge.facing, w, fixed, 0.0)
         if whole is None:
             continue
         pm_deg[:, j] = np.linspace(*whole.pm, up)
         for i, pm in enumerate(pm_deg[:, j].tolist()):
-            best = _best(judge, Freedom.of(law, sampled, w, {**fixed, "pm_deg": pm}, 0.0))
+            best = _best(judge, Freedom.of(law, judge.facing, w, {**fixed, "pm_deg": pm}, 0.0))
             if best is not None:
                 slack[i, j] = best.slack if best.rows else -inf
                 for row in best.rows:
@@ -122,12 +135,11 @@ def _best(judge: Judge, freedom: Freedom | None) -> Judgement | None:
     return max(found, key=lambda judgement: judgement.height)
 
 
-def _fixed(law: str, given: Mapping[str, float]) -> dict[str, float]:
-    takes = [n for n in (*LAWS[law], *OPTIONS.get(law, ())) if n not in ("wc", "pm_deg")]
+def _fixed(law: str, given: Mapping[str, float], words: frozenset[str]) -> dict[str, float]:
     for name, value in given.items():
-        if name not in takes or name.endswith("_ms"):
+        if name in OF_AUTO or name in UNDER_MS:
             raise SpecError(name, f"is no parameter of a map of {law}", value, "leave it out")
-    return {name: checks.positive(name, value) for name, value in given.items()}
+    return checked_parameters(law, given, words)
 
 
 def _crossovers(sampled: Sampled, count: int) -> Array:

@@ -1,14 +1,19 @@
 """What a choice does not say by itself, and whoever ships it should know."""
 
 from collections.abc import Mapping
+from math import inf
+
+import numpy as np
 
 from zoh.analysis.verify import Verified
 from zoh.choice.freedom import SLOWEST
 from zoh.choice.judge import slowest_zero
+from zoh.lti import poly
 from zoh.lti.systems import Sampled
 from zoh.lti.wplane import warp
 
 _CLEARLY = 0.999  # of the slowest zero that is chosen: at that end itself nothing is said
+_DIPOLE = 0.01  # of a zero: a pole as near leaves less of its tail than settling counts
 _OF_ROBUSTNESS = ("pm_deg", "gain_margin_db", "delay_margin", "ms", "mt")
 
 
@@ -25,6 +30,9 @@ def notes(found: Verified, given: Mapping[str, float], fixed: Sampled | None) ->
             f"{margins.phase_margin_deg:.4g} deg, ms {margins.ms:.4g}"
         )
     slowest = slowest_zero(found.controller, fixed)
+    poles = poly.roots(found.controller.den_w)
+    if np.abs(poles + slowest).min(initial=inf) < _DIPOLE * slowest:
+        slowest = inf
     allowed = _CLEARLY * SLOWEST * warp(margins.crossover or 0.0, found.controller.dt)
     if 0 < slowest < allowed:
         said.append(
