@@ -1,6 +1,6 @@
 """What could be had where a law cannot: all of it tried, none guessed."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from math import ceil, cos, inf
 
 import numpy as np
@@ -97,22 +97,25 @@ def advised(
     """
     wanted = {_AS_WELL.get(k, k): v for k, v in parameters.items()}
 
+    def reason(
+        name: str, at: Crossover, given: Mapping[str, float], also: frozenset[str]
+    ) -> str:  # fmt: skip
+        try:
+            found = solved(name, sampled, at, given, None, also)
+        except Infeasible as here:
+            return _side(here)
+        return fails(found.controller, at)
+
     def why_not(name: str, at: Crossover, also: frozenset[str] = allow) -> str:
         if progress is not None:
             what = f"{at.pm_deg:.4g} deg at {at.wc:.4g} rad/s"
             progress(f"{law} cannot; is there a {name} of {what}?")
-        why = ""
-        for free in _free(name, sampled, at):
-            try:
-                found = solved(name, sampled, at, {**free, **wanted}, None, also)
-                why = fails(found.controller, at)
-            except Infeasible as here:
-                why = _side(here)
-            except (SpecError, OverflowError):  # the last one in what is tried
-                why = "its gains are beyond a float"
-            if not why:
-                break
-        return why
+        try:
+            return _first_reason(
+                reason(name, at, {**free, **wanted}, also) for free in _free(name, sampled, at)
+            )
+        except (SpecError, OverflowError):  # the last one in what is tried
+            return "its gains are beyond a float"
 
     def works(name: str, at: Crossover, also: frozenset[str] = allow) -> bool:
         return not why_not(name, at, also)
@@ -137,6 +140,16 @@ def advised(
         ),
         laws_that_can=tuple(name for name in LAWS if name != law and works(name, spec)),
     )
+
+
+def _first_reason(reasons: Iterable[str]) -> str:
+    """Return the first reason, "" as soon as one is none."""
+    first = ""
+    for here in reasons:
+        if not here:
+            return ""
+        first = first or here
+    return first
 
 
 def _side(refused: Infeasible) -> str:

@@ -158,6 +158,84 @@ def test_a_plant_that_answers_backwards_is_spoken_of_as_it_is():
         zoh.pi(plant, dt=0.1, requirements=zoh.Requirements(effort_min=-0.4), allow=words)
 
 
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("plant", ["{}/(s - 1)", "{}*10/(s^2 - 25)", "{}*2/(s + 1)"])
+def test_a_permission_takes_nothing_away(plant, sign):
+    """An unstable pole turns the sign at rest; the gains that a loop needs are those of G(inf)."""
+    plant = zoh.Plant.parse(plant.format(sign))
+    law = "pd" if len(plant.den) == 3 else "pi"
+    d = zoh.design(plant, law, {}, dt=0.02, allow=["negative_gains"])
+    assert d.met
+    assert d.gains["kp"] * sign > 0
+    if sign > 0:
+        plain = zoh.design(plant, law, {}, dt=0.02)
+        assert plain.margins.crossover == d.margins.crossover
+        return
+    with pytest.raises(zoh.Infeasible, match="a negative sensor gain turns it round, or allow="):
+        zoh.design(plant, law, {}, dt=0.02)
+    turned = zoh.Plant(num=plant.num, den=plant.den, sensor=-1)
+    assert zoh.design(turned, law, {}, dt=0.02).met  # as it says
+
+
+def test_a_plant_that_needs_no_turning_is_not_told_to_turn():
+    with pytest.raises(zoh.Infeasible) as refused:
+        zoh.pi(zoh.Plant.parse("10/(s^2-25)"), dt=0.01, wc=30, pm_deg=50)
+    assert "turns it round" not in str(refused.value)
+    assert "pd" in refused.value.laws_that_can
+
+
+def test_a_pid_that_can_turn_the_phase_back_is_among_the_laws_that_can():
+    plant = zoh.Plant.parse("2/(s+1)")
+    with pytest.raises(zoh.Infeasible) as refused:
+        zoh.p(plant, dt=0.1, wc=1.0, pm_deg=60)
+    assert "pid" in refused.value.laws_that_can
+    assert zoh.pid(plant, dt=0.1, wc=1.0, pm_deg=60, ki=0.7).met
+
+
+@pytest.mark.parametrize(
+    ("asked", "why"),
+    [
+        ({"settling_time": 0.0}, "no response begins before 0.1 s"),
+        ({"settling_time": 0.34}, "no response begins before 0.35 s"),
+        ({"noise_gain": 0.0}, "every controller passes some noise on"),
+    ],
+)
+def test_what_no_step_and_no_controller_can_do_is_not_searched(asked, why):
+    said, late = [], 0.35 if "0.35" in why else 0.0
+    plant = zoh.Plant(num=[2], den=[1, 1], dead_time=late)
+    with pytest.raises(zoh.Infeasible, match=why):
+        zoh.design(
+            plant, "pi", {}, dt=0.1, requirements=zoh.Requirements(**asked), progress=said.append
+        )
+    assert said == []
+
+
+@pytest.mark.parametrize("given", [{"wc": 5.0}, {}, {"wc": 1.0, "pm_deg": 60}])
+def test_a_hidden_unstable_mode_is_named_before_any_search(given):
+    plant = zoh.Plant(num=[1, -1], den=[1, 1, -2])
+    word = r'allow=\["cancelled_unstable_modes"\] takes it out of the model'
+    with pytest.raises(zoh.Infeasible, match=word) as refused:
+        zoh.pi(plant, dt=0.1, **given)
+    assert "turns it round" not in str(refused.value)
+    assert zoh.pi(plant, dt=0.1, wc=5.0, allow=["cancelled_unstable_modes"]).met
+
+
+def test_a_margin_that_contradicts_a_requirement_is_said_with_the_refusal():
+    with pytest.raises(zoh.Infeasible, match=r"must be at least 57\.5, and a margin of 40 deg is"):
+        zoh.pi(ARM, dt=0.1, wc=2.0, pm_deg=40, requirements=zoh.Requirements(pm_deg=57.5))
+
+
+def test_a_p_that_crosses_over_elsewhere_with_less_is_refused():
+    plant = zoh.Plant.parse("1.8697/(s^4 + 3.4493 s^3 + 144.38 s^2 + 354.75 s)")
+    with pytest.raises(zoh.NotMet, match=r"at 10\.8\d+ rad/s, another crossover of this loop"):
+        zoh.p(plant, dt=0.0151, wc=4.963)
+
+
+def test_a_zero_beside_its_pole_is_not_said_to_creep():
+    asked = zoh.Requirements(pm_deg=50, steady_state_error=0)
+    assert zoh.leadlag(ARM, dt=0.1, lag_corner=0.01, requirements=asked).choice.notes == ()
+
+
 def test_a_p_of_a_margin_says_why_no_faster_one():
     d = zoh.design(ARM, "auto", {"pm_deg": 60}, dt=0.1, requirements=zoh.Requirements(ms=1.5))
     assert d.law == "p"
