@@ -91,7 +91,7 @@ def test_sections_on_a_table():
         (lambda: zoh.notch(w0=0.0), "zeros_w0 must be above 0"),
         (lambda: zoh.notch(w0=1.0, depth=1.0), "depth must be below 1"),
         (lambda: zoh.notch(w0=1.0, width=0.0), "width must be above 0"),
-        (lambda: zoh.notch(w0=70.0).at_clock(0.05), "zeros_w0 must be below the Nyquist"),
+        (lambda: zoh.notch(w0=70.0).at_clock(0.05), "w0 must be below the Nyquist"),
         (lambda: in_series([1.0], 0.05), r"sections\[0\] must be a section"),
     ],
 )
@@ -126,7 +126,7 @@ def test_a_project_file_has_sections_and_every_option():
         ("3", "must be a list of tables"),
         ("[{depth = 0.1}]", r"sections\[0\]\.w0 must be given"),
         ("[{w0 = 1, q = 2}]", r"sections\[0\]\.q"),
-        ("[{w0 = 80}]", r"sections\[0\]\.zeros_w0 must be below the Nyquist"),
+        ("[{w0 = 80}]", r"sections\[0\]\.w0 must be below the Nyquist"),
     ],
 )
 def test_a_malformed_section_of_a_file_has_the_name_of_its_key(sections, words):

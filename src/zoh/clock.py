@@ -37,7 +37,12 @@ Try = Callable[[float], tuple[Seen | None, str | None]]  # a dt: what came of it
 TOLERANCE_DEG = 0.1  # by how much rounding the coefficients may move the phase margin
 _LONGEST, _SHORTEST = 0.99, 1e-3  # of pi/wc, where the crossover is at Nyquist's frequency
 _POINTS = 31  # ten for a factor of 10
-_OF_THE_CLOCK = ("dt", "zeros_w0", "poles_w0")  # what is wrong at one sample time and not at others
+_OF_THE_CLOCK = (
+    "dt",
+    "w0",
+    "zeros_w0",
+    "poles_w0",
+)  # what is wrong at one sample time and not at others
 EDGE = 1e-9  # of the largest sample time, to which its edge is closed in on
 
 

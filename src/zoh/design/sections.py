@@ -54,7 +54,8 @@ class SecondOrder:
         for name in ("zeros_w0", "poles_w0"):
             if not getattr(self, name) * dt < pi:
                 bound = f"must be below the Nyquist frequency pi/dt = {pi / dt:.6g} rad/s"
-                raise SpecError(name, bound, getattr(self, name), "lower it, or sample faster")
+                called = "w0" if self.zeros_w0 == self.poles_w0 else name  # a notch has one
+                raise SpecError(called, bound, getattr(self, name), "lower it, or sample faster")
         vz, vp = warp(self.zeros_w0, dt), warp(self.poles_w0, dt)
         return Sampled.from_w(
             num_w=((vp / vz) ** 2, 2 * self.zeros_zeta * vp * (vp / vz), vp * vp),
