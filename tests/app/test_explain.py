@@ -215,13 +215,13 @@ def test_what_is_allowed_is_allowed_at_every_clock_and_price(run, tmp_path, mode
 
 def test_a_gain_that_is_given_is_left_open_last(run):
     text = "plant.model = '1/(s^2 + 2 s)'\nsampling.dt = 0.05\nsampling.compute_delay = 0.02\n"
-    text += "[requirements]\novershoot_pct = 3\nsettling_time = 3\npm_deg = 60\n"
+    text += "[requirements]\novershoot_pct = 3\nsettling_time = 3\npm_deg = 60\npeak_effort = 5\n"
     text += "[[controller]]\nlaw = 'lead'\nwc = 2\npm_deg = 60\ndc_gain = 3\n"
     _, out, _ = explained(run, text, "--json")
     said = json.loads(out)["designs"][0]["reasons"][-1]
     assert said.startswith("with wc and pm_deg and dc_gain left open everything is met: by the f")
     plant = zoh.Plant(num=[1], den=[1, 2, 0])
-    asked = zoh.Requirements(overshoot_pct=3, settling_time=3, pm_deg=60)
+    asked = zoh.Requirements(overshoot_pct=3, settling_time=3, pm_deg=60, peak_effort=5)
     by_hand = zoh.lead(
         plant, dt=0.05, compute_delay=0.02, wc=1.3, pm_deg=68, dc_gain=2.5, requirements=asked
     )
