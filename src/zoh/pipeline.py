@@ -164,11 +164,7 @@ def _chosen_of(
 ) -> Verified:  # fmt: skip
     """Return what is chosen among laws of one sign, negative ones where it is ``back``."""
     dt = bench.sampled.dt
-    judge = Judge(
-        plant=bench.plant, sampled=bench.sampled, compute_delay=bench.compute_delay,
-        requirements=bench.requirements, reference=bench.reference, fixed=bench.fixed,
-        weights=bench.weights, back=back,
-    )  # fmt: skip
+    judge = Judge(**bench.setting(), back=back)
     under = {k: v for k, v in parameters.items() if k in UNDER_MS}
     known = {k: v for k, v in parameters.items() if k not in under}
     chosen = choose(judge, bench.law, opposite(known) if back else known, progress)

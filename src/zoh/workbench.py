@@ -1,7 +1,8 @@
-"""A plant on the bench: what is fixed in series with it, and everything a law is measured by."""
+"""A plant on the bench: what a law is solved in, judged by and measured with."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
 
 from zoh.analysis.load_error import load_iae
 from zoh.analysis.verify import Verified, measure, verified
@@ -18,27 +19,37 @@ HIDES = f"the plant hides an unstable mode: {_WORD} takes it out of the model"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Bench:
-    """A plant with what is fixed in series, and everything that a solved law is measured by.
+class Setting:
+    """A plant at its clock, what is in series with the law, what is asked, and for which step.
 
-    sampled   the plant with what is ``fixed``, as the law is solved on it
-    weights   of the reference;  allowed  what is said to have been allowed by name
+    sampled  the plant with what is ``fixed``, as the law is solved on it
+    weights  of the reference
     """
 
     plant: Plant
     sampled: Sampled
-    fixed: Sampled | None
     compute_delay: float
     requirements: Requirements
     reference: float
-    law: str
-    name: str | None
-    weights: Mapping[str, float]
-    allowed: tuple[str, ...]
+    fixed: Sampled | None = None
+    weights: Mapping[str, float] = field(default_factory=dict)
 
     def whole(self, law: Sampled) -> Sampled:
         """Return the controller: the law with what is fixed."""
         return law * self.fixed if self.fixed else law
+
+    def setting(self) -> dict[str, Any]:
+        """Return what the setting consists of, by name."""
+        return {f.name: getattr(self, f.name) for f in fields(Setting)}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bench(Setting):
+    """A setting, and what the law in it is called; ``allowed`` is said to be so by name."""
+
+    law: str
+    name: str | None
+    allowed: tuple[str, ...]
 
     def iae(self, law: Sampled) -> float:
         """Return the absolute error after a load step."""

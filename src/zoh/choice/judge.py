@@ -1,7 +1,7 @@
 """One candidate beside everything that is asked, by measurement alone."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import inf, nan
 
 import numpy as np
@@ -17,11 +17,12 @@ from zoh.analysis.step import closed_loop_step, gains_at_rest
 from zoh.choice.freedom import SLOWEST
 from zoh.errors import Infeasible, SpecError
 from zoh.lti import poly
-from zoh.lti.systems import Plant, Sampled
+from zoh.lti.systems import Sampled
 from zoh.lti.weights import WEIGHTS, feedforward
 from zoh.lti.wplane import warp
 from zoh.solving import SolvedLaw, negated, off_target, solved
-from zoh.spec import Crossover, Requirements
+from zoh.spec import Crossover
+from zoh.workbench import Setting
 
 _WITHOUT_A_STEP = ("steady_state_error", "noise_gain")  # the gains at w = 0, and the poles, tell
 _OF_A_STEP = tuple(name for name in OF_TIME if name not in _WITHOUT_A_STEP)
@@ -53,20 +54,12 @@ class Judgement:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Judge:
-    """A plant, what is asked of its loop, and for which reference step.
+class Judge(Setting):
+    """A setting in which candidates are compared.
 
-    sampled  with what is ``fixed`` in series with the law;  weights  of the reference
-    back     whether the laws are of negative gains: solved on the opposite plant, then turned
+    back  whether the laws are of negative gains: solved on the opposite plant, then turned
     """
 
-    plant: Plant
-    sampled: Sampled
-    compute_delay: float
-    requirements: Requirements
-    reference: float
-    fixed: Sampled | None = None
-    weights: Mapping[str, float] = field(default_factory=dict)
     back: bool = False
 
     def __post_init__(self) -> None:
@@ -141,7 +134,7 @@ class Judge:
         """
         if not self.asks_effort:
             return []
-        controller, ahead = self._whole(found)
+        controller, ahead = self._paths(found)
         direct = at_once(controller)
         path = direct + (at_once(ahead) if ahead else 0.0)
         back = 1 + direct * self.through
@@ -151,7 +144,7 @@ class Judge:
         )
 
     def _in_time(self, found: SolvedLaw) -> list[Compared]:
-        controller, ahead = self._whole(found)
+        controller, ahead = self._paths(found)
         noise = None
         if self.requirements.noise_gain is not None:
             noise = noise_gains(self.plant, controller, compute_delay=self.compute_delay)[1]
@@ -165,14 +158,12 @@ class Judge:
             step = StepInfo(steady_state_error=self.reference * (1 - final))
         return of_time(self.requirements, step, noise)
 
-    def _whole(self, found: SolvedLaw) -> tuple[Sampled, Sampled | None]:
+    def _paths(self, found: SolvedLaw) -> tuple[Sampled, Sampled | None]:
         """Return the controller with what is fixed, and the feedforward that a weight makes."""
         found = found.opposite() if self.back else found
         setpoint, derivative = (self.weights.get(name, 1.0) for name in WEIGHTS)
         ahead = feedforward(found.gains, setpoint, derivative, self.sampled.dt)
-        if self.fixed is None:
-            return found.controller, ahead
-        return found.controller * self.fixed, ahead * self.fixed if ahead else None
+        return self.whole(found.controller), self.whole(ahead) if ahead else None
 
 
 def at_once(system: Sampled) -> float:
