@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from math import comb
 
 from zoh.lti.systems import Sampled
-from zoh.lti.whole import of
 
 
 def realised(system: Sampled) -> tuple[list[float], list[float], float]:
@@ -21,7 +20,7 @@ def realised(system: Sampled) -> tuple[list[float], list[float], float]:
     >>> realised(Sampled(num=[0.5], den=[1, -0.5], dt=1.0))
     ([0.5], [0.5], 0.0)
     """
-    wholes, _ = of(system.num_w, system.den_w)  # what they have in common cancels
+    *wholes, _ = system.whole_w  # what they have in common cancels
     half = (system.dt / 2).as_integer_ratio()
     num, den = (_in_delta(a, half) for a in wholes)
     for i in range(len(den) - len(system.num)):

@@ -19,7 +19,8 @@ def of(*polynomials: Sequence[float]) -> tuple[list[list[int]], int]:
     """
     ratios = [[c.as_integer_ratio() for c in a] for a in polynomials]
     unit = max([bottom for a in ratios for _, bottom in a])
-    return [[top * (unit // bottom) for top, bottom in a] for a in ratios], unit
+    most = unit.bit_length()  # of powers of two the bits say the quotient
+    return [[top << most - bottom.bit_length() for top, bottom in a] for a in ratios], unit
 
 
 def times(a: Whole, b: Whole) -> list[int]:
@@ -80,15 +81,15 @@ def at(a: Whole, x: float) -> int:
 
 
 def at_fraction(a: Whole, top: int, bottom: int) -> int:
-    """Return a(top/bottom) times bottom to the power of the degree.
+    """Return a(top/bottom), bottom a power of two, times it to the power of the degree.
 
     >>> at_fraction((4, 1), 1, 4)
     8
     """
-    value, unit = a[0], 1
+    value, bits, octaves = a[0], 0, bottom.bit_length() - 1
     for c in a[1:]:
-        unit *= bottom
-        value = value * top + c * unit
+        bits += octaves
+        value = value * top + (c << bits)
     return value
 
 
