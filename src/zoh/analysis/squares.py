@@ -8,7 +8,7 @@ is measured is a sign or a ratio of polynomials in q::
     |L| = 1 where |N|^2 = |D|^2,    L is real where T = 0
 
 Their coefficients are whole numbers, the floats of the loop taken exactly; floats of them are
-rounded once.
+rounded once. They are computed as one whole number each, see ``whole.packed``.
 """
 
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ from math import inf, sqrt
 
 from zoh.analysis.loop import Loop
 from zoh.lti import whole
-from zoh.lti.whole import Whole
+from zoh.lti.whole import Whole, packed, unpacked
 
 DROP = 10**-0.3  # -3 dB of |T|^2: where the bandwidth ends
 SHORT = 6  # samples of delay that are multiplied in: more of them cost more than a grid does
@@ -63,21 +63,23 @@ class Squares:
                 half, one = (loop.dt / 2).as_integer_ratio()
                 num = whole.times(num, whole.power((-half, one), m))
                 den = whole.times(den, whole.power((half, one), m))
-        num_even, num_odd = whole.on_axis(num)
-        den_even, den_odd = whole.on_axis(den)
-        bottom = _joined(whole.times(den_even, den_even), whole.times(den_odd, den_odd))
-        top = _joined(whole.times(num_even, num_even), whole.times(num_odd, num_odd))
-        cross = _joined(whole.times(num_even, den_even), whole.times(num_odd, den_odd))
-        both = whole.plus(bottom, top)
-        closed = whole.plus(both, cross, 2)
-        drop, level = _drop(top, closed)
+        length = max(len(num), 2)
+        # no sum of so many products, twice that, has more bits than this
+        bits = 2 * max([c.bit_length() for c in (*num, *den)]) + length.bit_length() + 4
+        (ne, no), (de, do) = (
+            [packed(part, bits) for part in whole.on_axis(a)] for a in (num, den)
+        )
+        bottom, top = de * de + (do * do << bits), ne * ne + (no * no << bits)
+        both, cross = bottom + top, 2 * (ne * de + (no * do << bits))
+        above, closed = unpacked(top, bits, length), unpacked(both + cross, bits, length)
+        drop, level = _drop(above, closed)
         return cls(
-            bottom=bottom,
-            top=top,
+            bottom=unpacked(bottom, bits, length),
+            top=above,
             closed=closed,
-            opposite=whole.plus(both, cross, -2),
-            gain=whole.plus(top, bottom, -1),
-            turn=whole.plus(whole.times(num_odd, den_even), whole.times(num_even, den_odd), -1),
+            opposite=unpacked(both - cross, bits, length),
+            gain=unpacked(top - bottom, bits, length),
+            turn=unpacked(no * de - ne * do, bits, length - 1),
             drop=drop,
             level=level,
             whole=not loop.dead_time or 0 < m <= most,
@@ -118,11 +120,6 @@ def _drop(top: Whole, closed: Whole) -> tuple[Whole, float]:
     over, unit = DROP.as_integer_ratio()
     once = [unit * at_rest[1] * c for c in top]
     return whole.plus(once, closed, -over * at_rest[0]), sqrt(DROP) * whole.root_of_ratio(*at_rest)
-
-
-def _joined(even: Whole, odd: Whole) -> Whole:
-    """Return even + q odd."""
-    return whole.plus(even, [*odd, 0])
 
 
 def corners(polynomials: Sequence[Whole]) -> list[float]:

@@ -61,6 +61,42 @@ def plus(a: Whole, b: Whole, factor: int = 1) -> list[int]:
     return [x + factor * y for x, y in zip(a, b, strict=True)]
 
 
+def packed(a: Whole, bits: int) -> int:
+    """Return a(2^bits): a polynomial as one whole number, so that products are one product.
+
+    Source: J. von zur Gathen, J. Gerhard, Modern Computer Algebra, 3rd ed., sec. 8.4 (Kronecker
+    substitution).
+
+    >>> packed((1, -2), 8) ** 2 == packed((1, -4, 4), 8)
+    True
+    """
+    value = 0
+    for c in a:
+        value = (value << bits) + c
+    return value
+
+
+def unpacked(value: int, bits: int, length: int) -> list[int]:
+    """Return so many coefficients of the polynomial whose value at 2^bits this is.
+
+    Each must be below 2^(bits - 1) in size.
+
+    >>> unpacked(packed((1, -4, 4), 8), 8, length=3)
+    [1, -4, 4]
+    """
+    out, unit = [], 1 << bits
+    half, low = unit >> 1, unit - 1
+    for _ in range(length):
+        c = value & low
+        value >>= bits
+        if c >= half:
+            c -= unit
+            value += 1
+        out.append(c)
+    out.reverse()
+    return out
+
+
 def trim(a: Whole) -> list[int]:
     """Return ``a`` without leading and trailing zeros: the same roots but for those at 0.
 
