@@ -134,13 +134,11 @@ def corners(polynomials: Sequence[Whole]) -> list[float]:
         for i, c in enumerate(a):
             if c:
                 y = c.bit_length()
-                while len(hull) > 1 and _dented(hull[-2], hull[-1], i, y):
-                    hull.pop()
+                while len(hull) > 1:
+                    (left, low), (middle, high) = hull[-2:]
+                    if (high - low) * (i - left) > (y - low) * (middle - left):
+                        break
+                    hull.pop()  # it lies on or below the line between its neighbours
                 hull.append((i, y))
         found += [(y - x) / (j - i) for (i, x), (j, y) in pairwise(hull)]
     return found
-
-
-def _dented(left: tuple[int, int], middle: tuple[int, int], i: int, y: int) -> bool:
-    """Return whether the middle point lies on or below the line between its neighbours."""
-    return (middle[1] - left[1]) * (i - left[0]) <= (y - left[1]) * (middle[0] - left[0])
