@@ -168,7 +168,7 @@ def _in_series(these: _These) -> Loop:
     systems = these.systems
     first = systems[0] if systems else None
     for system in systems:
-        if not isinstance(system, Plant | Sampled):
+        if not isinstance(system, (Plant, Sampled)):
             raise SpecError("L", "must be a zoh.Plant or zoh.Sampled", system, "make one first")
         if type(system) is not type(first) or _dt(system) != _dt(first):
             raise SpecError(
@@ -192,8 +192,8 @@ def _in_series(these: _These) -> Loop:
     return Loop(
         num=top_floats, den=bottom_floats, exact=(num, den), dt=_dt(first),
         dead_time=dead_time,
-        rounded=tuple(r for s in systems if isinstance(s, Sampled) for r in s.rounded),
-        given=all(_is_given(s) for s in systems),
+        rounded=tuple([r for s in systems if isinstance(s, Sampled) for r in s.rounded]),
+        given=all([isinstance(s, Plant) or s.is_given for s in systems]),
     )  # fmt: skip
 
 
@@ -249,11 +249,6 @@ def _parts(system: Plant | Sampled) -> tuple[Whole, Whole, int, float]:
     (num, den, sensor, one), unit = whole.of(system.num, system.den, (system.sensor,), (1.0,))
     num, den = whole.times(num, sensor), whole.times(den, one)
     return num, den, unit * unit, system.dead_time
-
-
-def _is_given(system: Plant | Sampled) -> bool:
-    """Return whether the coefficients are those that somebody gave, in s or in z."""
-    return isinstance(system, Plant) or system.is_given
 
 
 def out_of_range(coefficients: object) -> SpecError:

@@ -94,7 +94,7 @@ class Squares:
     def ratio(self, v: float, which: Below) -> float:
         """Return |D + N| over |D|, |N| or |D - N| at v, of the exact values there."""
         q = _squared(v)
-        above, under = (whole.at_fraction(a, *q) for a in (self.closed, self.below(which)))
+        above, under = whole.at_fraction(self.closed, *q), whole.at_fraction(self.below(which), *q)
         return whole.root_of_ratio(above, under) if under else inf
 
     def over_bottom(self, a: Whole, v: float, octaves: int = 0) -> float:

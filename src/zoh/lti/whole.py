@@ -147,7 +147,7 @@ def size(a: Whole, octaves: int) -> int:
     4
     """
     n = len(a) - 1
-    return max((c.bit_length() + octaves * (n - i) for i, c in enumerate(a) if c), default=0)
+    return max([c.bit_length() + octaves * (n - i) for i, c in enumerate(a) if c], default=0)
 
 
 def floats(a: Whole, octaves: int, bits: int) -> list[float]:
