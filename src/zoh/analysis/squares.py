@@ -66,9 +66,7 @@ class Squares:
         length = max(len(num), 2)
         # no sum of so many products, twice that, has more bits than this
         bits = 2 * max([c.bit_length() for c in (*num, *den)]) + length.bit_length() + 4
-        (ne, no), (de, do) = (
-            [packed(part, bits) for part in whole.on_axis(a)] for a in (num, den)
-        )
+        (ne, no), (de, do) = ([packed(part, bits) for part in whole.on_axis(a)] for a in (num, den))
         bottom, top = de * de + (do * do << bits), ne * ne + (no * no << bits)
         both, cross = bottom + top, 2 * (ne * de + (no * do << bits))
         above, closed = unpacked(top, bits, length), unpacked(both + cross, bits, length)

@@ -39,8 +39,9 @@ def exact(values: "Sequence[float | Fraction]") -> Exact:
     >>> exact([0.5, Fraction(1, 4)])
     (Decimal('0.5'), Decimal('0.25'))
     """
-    if all([isinstance(v, float) for v in values]):
-        return tuple([Decimal(v) for v in values])  # exact, whatever the precision
+    floats = [v for v in values if isinstance(v, float)]
+    if len(floats) == len(values):
+        return tuple(map(Decimal, floats))  # exact, whatever the precision
     with precision(KEPT):
         return tuple(
             Decimal(v)

@@ -57,9 +57,7 @@ class Sampled:
         check_fraction(self.num, self.den, "z")
         delay = _delay(self.num, self.den)
         n = len(self.den) - 1 - delay
-        (num, above), (den, below) = (
-            z_to_w(a, self.dt, n) for a in (self.num, self.den[: n + 1])
-        )
+        (num, above), (den, below) = (z_to_w(a, self.dt, n) for a in (self.num, self.den[: n + 1]))
         unit = max(above, below)  # both are powers of two
         num, den = [c * (unit // above) for c in num], [c * (unit // below) for c in den]
         put(self, "num_w", _floats(num, unit))

@@ -106,6 +106,8 @@ def w_to_z(a: Sequence[int], dt: float) -> Ratio:
     """
     n = len(a) - 1
     top, bottom = dt.as_integer_ratio()
-    bottom *= 2
-    in_p = [c * bottom ** (n - k) * top**k for k, c in enumerate(a)]
+    octaves, unit, in_p = bottom.bit_length(), 1, []  # of twice the bottom, a power of two
+    for k, c in enumerate(a):
+        in_p.append(c * unit << octaves * (n - k))
+        unit *= top
     return [sum(map(mul, column, in_p)) for column in _columns(n)[1]], top**n
