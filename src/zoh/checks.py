@@ -65,7 +65,10 @@ def coefficients(name: str, value: object) -> tuple[float, ...]:
     items = sequence(name, value, way_out)
     if not items:
         raise SpecError(name, "must have at least one coefficient", value, way_out)
-    result = [number(f"{name}[{i}]", item, way_out) for i, item in enumerate(items)]
+    result = [
+        item if type(item) is float and isfinite(item) else number(f"{name}[{i}]", item, way_out)
+        for i, item in enumerate(items)
+    ]
     while len(result) > 1 and result[0] == 0:
         del result[0]
     return tuple(result)
@@ -77,6 +80,8 @@ def sequence(name: str, value: object, way_out: str) -> list[Any]:
     >>> sequence("num", (1, 2), "give a list")
     [1, 2]
     """
+    if type(value) is list or type(value) is tuple:  # nearly always
+        return list(value)
     without_order = isinstance(value, str | bytes | Mapping | Set | np.ma.MaskedArray)
     if without_order or not isinstance(value, Iterable) or _is_0d(value):
         raise SpecError(name, "must be a list of numbers", value, way_out)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from zoh.analysis.results import Margins
+from zoh.analysis.results import Gains, Margins
 from zoh.analysis.tabled.margins import Seen
 from zoh.design import first_order, leadlag
 from zoh.design import p as p_law
@@ -111,7 +111,7 @@ def _solved(law: str, asked: Asked) -> SolvedLaw:
 
 def _named(law: str, asked: Asked) -> SolvedLaw:
     found = _LAWS[law](asked)
-    gains = {k: v for k, v in found.gains.items() if law != "pd" or k != "ki"}
+    gains = Gains({k: v for k, v in found.gains.items() if law != "pd" or k != "ki"})
     return SolvedLaw(controller=found.controller(), gains=gains)
 
 

@@ -19,6 +19,16 @@ LATE = Loop.of(Plant(num=NUM, den=DEN, dead_time=QUARTER))
 SAMPLED = Loop.of(Sampled.from_w(num_w=(1.0, 3.0), den_w=(1.0, 2.0, 5.0), dt=0.5, delay=3))
 
 
+def test_the_very_same_systems_have_the_very_same_loop_and_equal_ones_their_own():
+    one, twin = (Sampled(num=[0.5], den=[1.0, -0.5], dt=0.5) for _ in range(2))
+    other = Sampled.made(num=(0.5,), den=(1.0, -0.5), dt=0.5, num_w=(1.0, 3.0), den_w=(1.0, 5.0))
+    assert Loop.of(one) is Loop.of(one)
+    assert Loop.of(one, one) is not Loop.of(one)
+    assert one == twin == other
+    assert Loop.of(twin) is not Loop.of(one)
+    assert Loop.of(other).num == (1.0, 3.0)
+
+
 def test_systems_in_series_multiply_and_add_their_delays():
     one = Plant(num=[2.0], den=[1.0, 1.0], dead_time=0.25, sensor=0.5)
     other = Plant(num=[1.0, 3.0], den=[1.0, 2.0], dead_time=0.5)

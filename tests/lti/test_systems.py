@@ -1,6 +1,7 @@
 """Plant and Sampled: made once, checked, and never mixed."""
 
 import dataclasses
+from fractions import Fraction
 from math import cos, inf, nan, pi, sin
 
 import numpy as np
@@ -117,6 +118,20 @@ def test_series_multiplies_responses(one, two, share):
     w = share * pi / 0.1
     assert (a * b).at(w) == pytest.approx(a.at(w) * b.at(w), rel=1e-12)
     assert (a * b).den == pytest.approx(np.convolve(a.den, b.den), rel=1e-12, abs=1e-13)
+
+
+def test_the_whole_w_form_is_what_was_given_and_not_the_floats_of_it():
+    """0.1/(z - 0.9) at z = (1 + w/2)/(1 - w/2), in fractions; from w its own floats."""
+    given_in_z = Sampled(num=[0.1], den=[1.0, -0.9], dt=1.0)
+    num, den, unit = given_in_z.whole_w
+    half, top, pole = Fraction(1, 2), Fraction(0.1), Fraction(0.9)
+    assert [Fraction(c, unit) for c in num] == [-half * top, top]
+    assert [Fraction(c, unit) for c in den] == [half * (1 + pole), 1 - pole]
+    in_w = Sampled.from_w(num_w=(3.0,), den_w=(1.0, 0.1), dt=0.5)
+    num, den, unit = in_w.whole_w
+    assert [Fraction(c, unit) for c in num] == [0, 3]
+    assert [Fraction(c, unit) for c in den] == [1, Fraction(0.1)]
+    assert in_w.whole_w == (num, den, unit)
 
 
 def test_series_refuses_two_clocks_and_two_kinds():

@@ -31,6 +31,19 @@ def test_products_and_sums_are_those_of_their_values(a, b, factor):
         assert total == one + factor * other
 
 
+@given(COEFFICIENTS, COEFFICIENTS)
+def test_a_packed_product_is_one_of_numbers(a, b):
+    # up to 7 products of 81, so 11 bits with the sign
+    value = whole.packed(a, 11) * whole.packed(b, 11)
+    assert whole.unpacked(value, 11, len(a) + len(b) - 1) == whole.times(a, b)
+
+
+@pytest.mark.parametrize("a", [[127, -128, 127], [-128, -128], [-1], [0, 0, -1]])
+def test_unpacked_to_the_last_bit(a):
+    assert whole.packed(a, 8) == sum(c * 256**k for k, c in enumerate(reversed(a)))
+    assert whole.unpacked(whole.packed(a, 8), 8, len(a)) == a
+
+
 def test_a_power_has_the_binomial_coefficients():
     assert whole.power((1, 1), 5) == [comb(5, k) for k in range(6)]
     assert whole.power((1, 1), 0) == [1]

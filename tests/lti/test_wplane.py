@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp
 
+from zoh.lti.whole import of
 from zoh.lti.wplane import bilinear_weights, unwarp, w_to_z, warp, z_to_w
 
 dts = st.floats(1e-7, 1e3)
@@ -70,7 +71,9 @@ def test_w_to_z_is_exact(a, dt, more, z):
     n = len(a) - 1 + more
     if z == -1:
         return
-    got = fractions(*w_to_z(a, dt, n))
+    (wholes,), unit = of([0.0] * more + a)
+    values, factor = w_to_z(wholes, dt)
+    got = fractions(values, unit * factor)
     w = 2 / Fraction(dt) * (z - 1) / (z + 1)
     truth = sum(Fraction(c) * w ** (len(a) - 1 - i) for i, c in enumerate(a)) * (z + 1) ** n
     assert sum(c * z ** (n - k) for k, c in enumerate(got)) == truth

@@ -61,25 +61,26 @@ def closed_loop(
         delta[queue, queue] = np.eye(at.kept, k=-1) - np.eye(at.kept)
         delta[at.n] += u
     if at.ahead > at.first:
-        _chain(delta, at.first, feedback[0])
-        delta[at.first] -= y
+        error = [-part for part in y]
         if at.r is not None:
-            delta[at.first, at.r] += 1.0
+            error[at.r] += 1.0
+        _chain(delta, at.first, feedback[0], error)
     if at.own > at.ahead:
-        _chain(delta, at.ahead, ahead[0])
-        delta[at.ahead, at.r] += 1.0
+        _chain(delta, at.ahead, ahead[0], _unit(at.size, at.own))
     start[at.one] = 1.0
     if by == "ramp":
         delta[at.own, at.one] = dt
     elif by == "impulse":
         delta[at.own, at.own], start[at.own] = -1.0, 1.0
     return Motion(
-        dt=dt, delta=delta, start=start, own=at.own, output=y, effort=u, stretches=stretches,
+        dt=dt, delta=delta, start=start, own=at.own, output=np.array(y), effort=np.array(u),
+        stretches=stretches,
         wait=m - 1 if m > CARRIED else 0, fed=at.n,
     )  # fmt: skip
 
 
 Realised = tuple[Sequence[float], Sequence[float], float]  # (a, c, d) of ``realised``
+Row = list[float]  # on Z
 
 
 def _ahead(feedforward: Sampled | None, by: Excitation) -> Realised:
@@ -121,17 +122,17 @@ class _Places:
         return self.one + 1
 
 
-def _signals(held: Held, feedback: Realised, ahead: Realised, at: _Places) -> tuple[Array, Array]:
+def _signals(held: Held, feedback: Realised, ahead: Realised, at: _Places) -> tuple[Row, Row]:
     """Return output and effort at a sample as rows on Z."""
     _, c, direct = feedback
-    y, u = np.zeros(at.size), np.zeros(at.size)
-    y[: at.n] = held.c
+    y = [*held.c, *[0.0] * (at.size - at.n)]
     if at.kept:
         y[at.first - 1] = held.d
     if at.d:
         y[at.one] = held.d
-    u[at.first : at.ahead], u[at.ahead : at.own] = c, ahead[1]
-    u -= direct * y
+    u = [-direct * part for part in y]
+    for i, part in enumerate((*c, *ahead[1]), at.first):
+        u[i] += part
     if at.r is not None:
         u[at.r] += direct + ahead[2]
     if held.d and not at.kept:  # the plant answers at once
@@ -139,29 +140,37 @@ def _signals(held: Held, feedback: Realised, ahead: Realised, at: _Places) -> tu
             raise SpecError(
                 "controller", "must not close an algebraic loop of gain -1", direct, "add delay"
             )
-        u /= 1 + direct * held.d
-        y += held.d * u
+        u = [part / (1 + direct * held.d) for part in u]
+        y = [part + held.d * of_u for part, of_u in zip(y, u, strict=True)]
     return y, u
 
 
-def _chain(delta: Array, first: int, a: Sequence[float]) -> None:
-    """Write a chain of sums with feedback a into delta, in place, its input left out."""
-    delta[first, first : first + len(a)] = a
-    delta[first] *= -1.0
+def _chain(delta: Array, first: int, a: Sequence[float], enters: Sequence[float]) -> None:
+    """Write a chain of sums with feedback a into delta, in place; what enters is a row on Z."""
+    row = [*enters]
+    for i, part in enumerate(a, first):
+        row[i] -= part
+    delta[first] = row
     for i in range(first + 1, first + len(a)):
         delta[i, i - 1] = 1.0
 
 
-def _inputs(u: Array, at: _Places) -> tuple[Array, Array]:
+def _inputs(u: Row, at: _Places) -> tuple[Row, Row]:
     """Return the plant's input at the start of a sample and at its end, as rows on Z."""
-    before, after = u.copy(), u.copy()
-    for row, late in ((before, 1), (after, 2)):
-        if at.kept >= late:
-            row[:] = 0.0
-            row[at.first - late] = 1.0
-        if at.d:
-            row[at.one] += 1.0
+    before = _unit(at.size, at.first - 1) if at.kept else u
+    after = _unit(at.size, at.first - 2) if at.kept > 1 else u
+    if at.d:
+        before, after = [*before], [*after]
+        before[at.one] += 1.0
+        after[at.one] += 1.0
     return before, after
+
+
+def _unit(size: int, place: int) -> Row:
+    """Return the row that takes one entry out of Z."""
+    row = [0.0] * size
+    row[place] = 1.0
+    return row
 
 
 def followable(plant: Plant, dt: float, compute_delay: float, more: int = 0) -> tuple[int, Decimal]:
@@ -187,32 +196,30 @@ def autonomous(system: Sampled) -> Motion:
     """Return the step response of a sampled system, its delay left out, at the samples only."""
     a, c, d = realised(system)
     n = len(a)
-    delta, output, start = np.zeros((n + 1, n + 1)), np.zeros(n + 1), np.zeros(n + 1)
-    start[n] = 1.0
+    delta, one = np.zeros((n + 1, n + 1)), _unit(n + 1, n)
     if n:
-        _chain(delta, 0, a)
-        delta[0, n] = 1.0
-    output[:n], output[n] = c, d
+        _chain(delta, 0, a, one)
     return Motion(
-        dt=system.dt, delta=delta, start=start, own=n, output=output, effort=None, stretches=()
-    )
+        dt=system.dt, delta=delta, start=np.array(one), own=n, output=np.array([*c, d]),
+        effort=None, stretches=(),
+    )  # fmt: skip
 
 
 def continuous(plant: Plant, dt: float) -> Motion:
     """Return the step response of a continuous system, cut into intervals of dt; no dead time."""
     held = Held.of(plant, dt)
     n = len(held.c)
-    one = np.zeros(n + 1)
-    one[n] = 1.0
+    one = _unit(n + 1, n)
     stretches, moved = _between(held, one, one, Decimal(0))
-    delta, output = np.zeros((n + 1, n + 1)), held.d * one
-    delta[:n], output[:n] = moved, held.c
+    delta = np.zeros((n + 1, n + 1))
+    delta[:n] = moved
     return Motion(
-        dt=dt, delta=delta, start=one, own=n, output=output, effort=None, stretches=stretches
-    )
+        dt=dt, delta=delta, start=np.array(one), own=n, output=np.array([*held.c, held.d]),
+        effort=None, stretches=stretches,
+    )  # fmt: skip
 
 
-def _between(held: Held, before: Array, after: Array, lead: Decimal) -> tuple[list[Stretch], Array]:
+def _between(held: Held, before: Row, after: Row, lead: Decimal) -> tuple[list[Stretch], Array]:
     """Return (the stretches of a sample, what the plant's state moves by, shape (n, N)).
 
     The plant's input is ``before`` until 1 - lead, then ``after``.

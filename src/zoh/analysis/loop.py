@@ -8,7 +8,9 @@ Nyquist frequency, and psi = delay w dt. Everything that is measured is measured
 from cmath import exp
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from math import atan, inf
+from operator import is_
 from typing import Any
 
 import numpy as np
@@ -19,15 +21,14 @@ from zoh.lti import poly, whole
 from zoh.lti.poly import Poly
 from zoh.lti.systems import Plant, Sampled
 from zoh.lti.whole import Whole
-from zoh.lti.wplane import z_to_w
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Loop:
-    """num(jv)/den(jv) exp(-j psi(v)).
+    """num(jv)/den(jv) exp(-j psi(v)); two are equal where they are one.
 
     num, den   real polynomials of one length, descending powers of j v
     exact      the same in whole numbers, times one power of two: the product of the systems'
@@ -49,36 +50,11 @@ class Loop:
 
     @classmethod
     def of(cls, *systems: Plant | Sampled) -> "Loop":
-        """Return the loop of these systems in series; raise SpecError for a mixture."""
-        first = systems[0] if systems else None
-        for system in systems:
-            if not isinstance(system, Plant | Sampled):
-                raise SpecError("L", "must be a zoh.Plant or zoh.Sampled", system, "make one first")
-            if type(system) is not type(first) or _dt(system) != _dt(first):
-                raise SpecError(
-                    "dt",
-                    f"must be the same throughout a loop ({_dt(first)!r} first)",
-                    _dt(system),
-                    "zoh.sample the plant with the controller's dt",
-                )
-        num: Whole = (1,)
-        den: Whole = (1,)
-        unit, dead_time = 1, 0.0
-        for system in systems:
-            top, bottom, its_unit, wait = _parts(system)
-            num, den = whole.times(num, top), whole.times(den, bottom)
-            unit, dead_time = unit * its_unit, dead_time + wait
-        num = [0] * (len(den) - len(num)) + list(num)
-        try:
-            top_floats, bottom_floats = (tuple([c / unit for c in a]) for a in (num, den))
-        except OverflowError:
-            raise out_of_range([*systems]) from None
-        return cls(
-            num=top_floats, den=bottom_floats, exact=(num, den), dt=_dt(first),
-            dead_time=dead_time,
-            rounded=tuple(r for s in systems if isinstance(s, Sampled) for r in s.rounded),
-            given=all(_is_given(s) for s in systems),
-        )  # fmt: skip
+        """Return the loop of these systems in series; raise SpecError for a mixture.
+
+        The very same systems have the very same loop: a design is measured and looked at again.
+        """
+        return _in_series(_These(systems))
 
     def frequency(self, v: float) -> float:
         """Return the real frequency in rad/s at v."""
@@ -154,21 +130,7 @@ class Loop:
         continuous loop with dead time that does not vanish turns for ever, through -1 too: that
         is what is given.
         """
-        num, den = self.num, self.den
-        while num[-1] == den[-1] == 0:
-            num, den = num[:-1], den[:-1]
-        found = [(0.0, num[-1], den[-1])]
-        num, den = self.num, self.den
-        while num[0] == den[0] == 0:
-            num, den = num[1:], den[1:]
-        if self.dt is not None:
-            odd = round(self.dead_time / self.dt) % 2
-            found.append((inf, -num[0] if odd else num[0], den[0]))
-        elif self.dead_time and num[0] != 0:
-            found.append((inf, -abs(num[0]), abs(den[0])))
-        else:
-            found.append((inf, num[0], den[0]))
-        return tuple(found)
+        return _ends(self)
 
     def is_one_at(self, v: float) -> bool:
         """Return whether |L| is 1, exactly, at one of its ends."""
@@ -179,6 +141,80 @@ class Loop:
     def closed(self, sign: float = 1.0) -> Poly:
         """Return den + sign num, the closed loop's polynomial where there is no delay."""
         return poly.plus(self.den, self.num, sign)
+
+
+class _These:
+    """Systems as a key: these very objects. Two that are equal in z may not be so in w."""
+
+    __slots__ = ("systems",)
+
+    def __init__(self, systems: tuple[Plant | Sampled, ...]) -> None:
+        self.systems = systems
+
+    def __hash__(self) -> int:
+        return hash(tuple(map(id, self.systems)))
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, _These)
+            and len(self.systems) == len(other.systems)
+            and all(map(is_, self.systems, other.systems))
+        )
+
+
+@lru_cache(maxsize=8)
+def _in_series(these: _These) -> Loop:
+    """Return ``Loop.of``."""
+    systems = these.systems
+    first = systems[0] if systems else None
+    for system in systems:
+        if not isinstance(system, (Plant, Sampled)):
+            raise SpecError("L", "must be a zoh.Plant or zoh.Sampled", system, "make one first")
+        if type(system) is not type(first) or _dt(system) != _dt(first):
+            raise SpecError(
+                "dt",
+                f"must be the same throughout a loop ({_dt(first)!r} first)",
+                _dt(system),
+                "zoh.sample the plant with the controller's dt",
+            )
+    num: Whole
+    den: Whole
+    num, den, unit, dead_time = _parts(systems[0]) if systems else ((1,), (1,), 1, 0.0)
+    for system in systems[1:]:
+        top, bottom, its_unit, wait = _parts(system)
+        num, den = whole.times(num, top), whole.times(den, bottom)
+        unit, dead_time = unit * its_unit, dead_time + wait
+    num = [0] * (len(den) - len(num)) + list(num)
+    try:
+        top_floats, bottom_floats = (tuple([c / unit for c in a]) for a in (num, den))
+    except OverflowError:
+        raise out_of_range([*systems]) from None
+    return Loop(
+        num=top_floats, den=bottom_floats, exact=(num, den), dt=_dt(first),
+        dead_time=dead_time,
+        rounded=tuple([r for s in systems if isinstance(s, Sampled) for r in s.rounded]),
+        given=all([isinstance(s, Plant) or s.is_given for s in systems]),
+    )  # fmt: skip
+
+
+@lru_cache(maxsize=8)
+def _ends(loop: Loop) -> tuple[tuple[float, float, float], ...]:
+    """Return ``Loop.ends``."""
+    num, den = loop.num, loop.den
+    while num[-1] == den[-1] == 0:
+        num, den = num[:-1], den[:-1]
+    found = [(0.0, num[-1], den[-1])]
+    num, den = loop.num, loop.den
+    while num[0] == den[0] == 0:
+        num, den = num[1:], den[1:]
+    if loop.dt is not None:
+        odd = round(loop.dead_time / loop.dt) % 2
+        found.append((inf, -num[0] if odd else num[0], den[0]))
+    elif loop.dead_time and num[0] != 0:
+        found.append((inf, -abs(num[0]), abs(den[0])))
+    else:
+        found.append((inf, num[0], den[0]))
+    return tuple(found)
 
 
 def scalar(a: Sequence[float], v: float) -> complex:
@@ -208,24 +244,11 @@ def _dt(system: Plant | Sampled | None) -> float | None:
 
 def _parts(system: Plant | Sampled) -> tuple[Whole, Whole, int, float]:
     """Return (num, den, unit, delay): whole numbers that are the coefficients times unit."""
-    if isinstance(system, Sampled) and _is_given(system):
-        n = len(system.den) - 1 - system.delay
-        num, unit = z_to_w(system.num, system.dt, n)
-        den, below = z_to_w(system.den[: n + 1], system.dt, n)
-        most = max(unit, below)  # both are powers of two
-        num, den = [c * (most // unit) for c in num], [c * (most // below) for c in den]
-        return num, den, most, system.delay * system.dt
     if isinstance(system, Sampled):
-        (num, den), unit = whole.of(system.num_w, system.den_w)
-        return num, den, unit, system.delay * system.dt
+        return *system.whole_w, system.delay * system.dt
     (num, den, sensor, one), unit = whole.of(system.num, system.den, (system.sensor,), (1.0,))
     num, den = whole.times(num, sensor), whole.times(den, one)
     return num, den, unit * unit, system.dead_time
-
-
-def _is_given(system: Plant | Sampled) -> bool:
-    """Return whether the coefficients are those that somebody gave, in s or in z."""
-    return isinstance(system, Plant) or any(r is system for r in system.rounded)
 
 
 def out_of_range(coefficients: object) -> SpecError:

@@ -59,7 +59,7 @@ def phase_crossings(
     for v in turns:
         (top, of_top), (bottom, of_bottom) = map(_within_floats, loop.point(v))
         product = (top * bottom.conjugate()).real
-        if product < -_AT_A_ROOT * _bulk(loop, v, of_top, of_bottom):
+        if product < 0 and product < -_AT_A_ROOT * _bulk(loop, v, of_top, of_bottom):
             factor = -_square(bottom) / product * (of_top / of_bottom)
             crossings.append((loop.frequency(v), factor))
     every = crossings + _at_the_ends(loop)

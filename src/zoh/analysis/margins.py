@@ -66,7 +66,7 @@ def measure_loop(loop: Loop) -> Margins:
     except OverflowError:
         raise out_of_range([*loop.num, *loop.den]) from None
     numbers = [found.gain_margin, found.phase_margin_deg, found.modulus_margin, found.mt]
-    if any(isnan(x) for x in [*numbers, found.disk_margin]):
+    if any(map(isnan, [*numbers, found.disk_margin])):
         raise out_of_range([*loop.num, *loop.den])
     told = (*_unproved(found), *doubts(loop, found))
     return replace(found, warnings=told) if told else found

@@ -12,6 +12,7 @@ carried in Z is a queue beside it (see ``queue``).
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import atan2, ceil, hypot, inf, log, log1p
+from operator import itemgetter
 
 import numpy as np
 import numpy.typing as npt
@@ -116,7 +117,7 @@ class Motion:
     def rates(self) -> list[tuple[float, float]]:
         """Return (-log |z|, |log z|) per sample of each own mode z, the fastest last."""
         moved = np.linalg.eigvals(self.delta[: self.own, : self.own]).tolist()
-        return sorted((_rate(complex(z)) for z in moved), key=_turn)
+        return sorted([_rate(complex(z)) for z in moved], key=itemgetter(1))
 
     def track(self, final: float = 0.0) -> Track:
         """Return the motion from its start until its slowest mode is gone; y comes to ``final``.
@@ -142,7 +143,7 @@ class Motion:
     def _followed(self, final: float) -> Track:
         """Return the motion from its start until its slowest mode is gone."""
         rates = self.rates()
-        slowest = max(min((decay for decay, _ in rates), default=inf), _SLOWEST)
+        slowest = max(min(rates, default=(inf, inf))[0], _SLOWEST)
         end = max(8, ceil(-log(QUIET) / slowest) + 4 * len(self.delta))
         ks, zs, k, z, shown = [], [], 0, self.start, 0
         while k <= end and shown < _MOST:
@@ -179,10 +180,6 @@ def _rate(moved: complex) -> tuple[float, float]:
         return _AT_ONCE, _AT_ONCE
     decay = -log1p(size) / 2
     return decay, hypot(decay, atan2(y, 1 + x))
-
-
-def _turn(rate: tuple[float, float]) -> float:
-    return rate[1]
 
 
 def _pace(rates: list[tuple[float, float]], k: int, end: int) -> tuple[bool, int, int]:

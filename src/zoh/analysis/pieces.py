@@ -77,8 +77,12 @@ class Piece:
         >>> Piece.of([0.0, 1.0, -1.0]).highest()
         (0.5, 0.25)
         """
-        spots = [0.0, *self.slope().crossings(0.0), 1.0]
-        return max(((t, self.at(t)) for t in spots), key=lambda spot: spot[1])
+        best, high = 0.0, self.a[0]
+        for t in (*self.slope().crossings(0.0), 1.0):
+            value = self.at(t)
+            if value > high:
+                best, high = t, value
+        return best, high
 
     def _root(self, level: float, low: float, high: float, ends: tuple[float, float]) -> float:
         """Return the one crossing between two times, by Newton's steps kept in the bracket.

@@ -90,7 +90,7 @@ def _least(squares: Squares, peak: Peak) -> Proof:
         return Proof(holds=not any(below), method="bound", detail="measured against 0 everywhere")
     level, down = _just_below(peak.least)
     up, down = max(-down, 0), max(down, 0)
-    above = [(c << down) - (level * b << up) for c, b in zip(squares.closed, below, strict=True)]
+    above = [(c << down) - (level * below[i] << up) for i, c in enumerate(squares.closed)]
     method = signs.positive(above, peak.v**2)
     return Proof(
         holds=method is not None,

@@ -7,10 +7,11 @@ Source: R. H. Middleton and G. C. Goodwin, Digital Control and Estimation: A Uni
 """
 
 from collections.abc import Sequence
+from functools import lru_cache
 from math import comb
+from operator import mul
 
 from zoh.lti.systems import Sampled
-from zoh.lti.whole import of
 
 
 def realised(system: Sampled) -> tuple[list[float], list[float], float]:
@@ -21,7 +22,7 @@ def realised(system: Sampled) -> tuple[list[float], list[float], float]:
     >>> realised(Sampled(num=[0.5], den=[1, -0.5], dt=1.0))
     ([0.5], [0.5], 0.0)
     """
-    wholes, _ = of(system.num_w, system.den_w)  # what they have in common cancels
+    *wholes, _ = system.whole_w  # what they have in common cancels
     half = (system.dt / 2).as_integer_ratio()
     num, den = (_in_delta(a, half) for a in wholes)
     for i in range(len(den) - len(system.num)):
@@ -39,10 +40,17 @@ def _in_delta(a_w: Sequence[int], half: tuple[int, int]) -> list[int]:
     Times the denominator of h to the n, so that all is whole and nothing is rounded.
     """
     n, (p, q) = len(a_w) - 1, half
-    out = [0] * (n + 1)
-    for j, c in enumerate(a_w):  # c w^(n-j) becomes c h^j delta^(n-j) (2 + delta)^j
-        if c:
-            scaled = c * p**j * q ** (n - j)
-            for i in range(j + 1):
-                out[j - i] += scaled * (comb(j, i) << (j - i))
-    return out
+    scaled = [c * p**j * q ** (n - j) for j, c in enumerate(a_w)]
+    return [sum(map(mul, row, scaled)) for row in _weights(n)]
+
+
+@lru_cache(maxsize=64)
+def _weights(n: int) -> tuple[tuple[int, ...], ...]:
+    """Return, by the power that comes out, what delta^(n-j) (2 + delta)^j, j = 0 ... n, has of it.
+
+    >>> _weights(1)  # delta, and 2 + delta
+    ((1, 1), (0, 2))
+    """
+    return tuple(
+        tuple(comb(j, k) << k if k <= j else 0 for j in range(n + 1)) for k in range(n + 1)
+    )

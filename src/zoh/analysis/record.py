@@ -108,11 +108,18 @@ def crosses(gain: Callable[[float], complex], crossings: Iterable[tuple[float, f
 
 def labels(law: str, gains: Mapping[str, float] | None, name: str | None) -> dict[str, Any]:
     """Return law, gains and name, checked."""
+    law = checks.text("law", law)
+    label = law if name is None else checks.text("name", name)
+    return {"law": law, "gains": _checked(gains), "name": label or law}
+
+
+def _checked(gains: Mapping[str, float] | None) -> Gains:
+    if isinstance(gains, Gains):
+        return gains
     if gains is None:
         gains = {}
     if not isinstance(gains, Mapping):
         raise SpecError("gains", "must name each gain", gains, 'such as {"kp": 2.0}')
-    known = {checks.text("gains", k): checks.number(f"gains[{k!r}]", v) for k, v in gains.items()}
-    law = checks.text("law", law)
-    label = law if name is None else checks.text("name", name)
-    return {"law": law, "gains": Gains(known), "name": label or law}
+    return Gains(
+        {checks.text("gains", k): checks.number(f"gains[{k!r}]", v) for k, v in gains.items()}
+    )

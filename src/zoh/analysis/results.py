@@ -221,7 +221,10 @@ class Choice:
 
 
 class Gains(Mapping[str, float]):
-    """Gains by name, read-only; unlike a mapping proxy they can be pickled and hashed."""
+    """Gains by name, read-only; unlike a mapping proxy they can be pickled and hashed.
+
+    Floats under texts: what others give is checked before it is put in here.
+    """
 
     __slots__ = ("_items",)
 

@@ -9,6 +9,7 @@ can miss something: whether it has, ``proof`` says.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import chain
 from math import ceil, floor, inf, isfinite, sqrt
 
 import numpy as np
@@ -68,7 +69,8 @@ class Sparse:
         ]
         count = (high - low + 2 * _BEYOND) * _PER_OCTAVE + 1
         octaves = np.arange(count) / _PER_OCTAVE + (low - _BEYOND - middle)
-        values = np.array(rows) @ np.exp2(np.arange(longest - 1, -1, -1)[:, None] * octaves)
+        weights = np.fromiter(chain.from_iterable(rows), float).reshape(-1, longest)
+        values = weights @ np.exp2(np.arange(longest - 1, -1, -1)[:, None] * octaves)
         if not isfinite(values.sum()):
             return None
         ratios = values[_CLOSED] / np.maximum(values[:_CLOSED], _NOTHING)
@@ -116,8 +118,8 @@ class Sparse:
     def _roots(self, row: int) -> list[float]:
         polynomial, found = self.polynomials[row], []
         for i in [place for kind, place in self.flips if kind == row - _GAIN]:
-            low, high = (2.0**x for x in self.octaves[i : i + 2].tolist())
-            q = _root(polynomial, low, high, *self.values[row, i : i + 2].tolist())
+            low, high = self.octaves[i : i + 2].tolist()
+            q = _root(polynomial, 2.0**low, 2.0**high, *self.values[row, i : i + 2].tolist())
             found.append(sqrt(q) * sqrt(self.unit))
         return found
 

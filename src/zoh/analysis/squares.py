@@ -8,7 +8,7 @@ is measured is a sign or a ratio of polynomials in q::
     |L| = 1 where |N|^2 = |D|^2,    L is real where T = 0
 
 Their coefficients are whole numbers, the floats of the loop taken exactly; floats of them are
-rounded once.
+rounded once. They are computed as one whole number each, see ``whole.packed``.
 """
 
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ from math import inf, sqrt
 
 from zoh.analysis.loop import Loop
 from zoh.lti import whole
-from zoh.lti.whole import Whole
+from zoh.lti.whole import Whole, packed, unpacked
 
 DROP = 10**-0.3  # -3 dB of |T|^2: where the bandwidth ends
 SHORT = 6  # samples of delay that are multiplied in: more of them cost more than a grid does
@@ -63,21 +63,21 @@ class Squares:
                 half, one = (loop.dt / 2).as_integer_ratio()
                 num = whole.times(num, whole.power((-half, one), m))
                 den = whole.times(den, whole.power((half, one), m))
-        num_even, num_odd = whole.on_axis(num)
-        den_even, den_odd = whole.on_axis(den)
-        bottom = _joined(whole.times(den_even, den_even), whole.times(den_odd, den_odd))
-        top = _joined(whole.times(num_even, num_even), whole.times(num_odd, num_odd))
-        cross = _joined(whole.times(num_even, den_even), whole.times(num_odd, den_odd))
-        both = whole.plus(bottom, top)
-        closed = whole.plus(both, cross, 2)
-        drop, level = _drop(top, closed)
+        length = max(len(num), 2)
+        # no sum of so many products, twice that, has more bits than this
+        bits = 2 * max([c.bit_length() for c in (*num, *den)]) + length.bit_length() + 4
+        (ne, no), (de, do) = ([packed(part, bits) for part in whole.on_axis(a)] for a in (num, den))
+        bottom, top = de * de + (do * do << bits), ne * ne + (no * no << bits)
+        both, cross = bottom + top, 2 * (ne * de + (no * do << bits))
+        above, closed = unpacked(top, bits, length), unpacked(both + cross, bits, length)
+        drop, level = _drop(above, closed)
         return cls(
-            bottom=bottom,
-            top=top,
+            bottom=unpacked(bottom, bits, length),
+            top=above,
             closed=closed,
-            opposite=whole.plus(both, cross, -2),
-            gain=whole.plus(top, bottom, -1),
-            turn=whole.plus(whole.times(num_odd, den_even), whole.times(num_even, den_odd), -1),
+            opposite=unpacked(both - cross, bits, length),
+            gain=unpacked(top - bottom, bits, length),
+            turn=unpacked(no * de - ne * do, bits, length - 1),
             drop=drop,
             level=level,
             whole=not loop.dead_time or 0 < m <= most,
@@ -92,7 +92,7 @@ class Squares:
     def ratio(self, v: float, which: Below) -> float:
         """Return |D + N| over |D|, |N| or |D - N| at v, of the exact values there."""
         q = _squared(v)
-        above, under = (whole.at_fraction(a, *q) for a in (self.closed, self.below(which)))
+        above, under = whole.at_fraction(self.closed, *q), whole.at_fraction(self.below(which), *q)
         return whole.root_of_ratio(above, under) if under else inf
 
     def over_bottom(self, a: Whole, v: float, octaves: int = 0) -> float:
@@ -120,11 +120,6 @@ def _drop(top: Whole, closed: Whole) -> tuple[Whole, float]:
     return whole.plus(once, closed, -over * at_rest[0]), sqrt(DROP) * whole.root_of_ratio(*at_rest)
 
 
-def _joined(even: Whole, odd: Whole) -> Whole:
-    """Return even + q odd."""
-    return whole.plus(even, [*odd, 0])
-
-
 def corners(polynomials: Sequence[Whole]) -> list[float]:
     """Return log2 of about where the roots of the polynomials lie, by Newton's polygon.
 
@@ -137,13 +132,11 @@ def corners(polynomials: Sequence[Whole]) -> list[float]:
         for i, c in enumerate(a):
             if c:
                 y = c.bit_length()
-                while len(hull) > 1 and _dented(hull[-2], hull[-1], i, y):
-                    hull.pop()
+                while len(hull) > 1:
+                    (left, low), (middle, high) = hull[-2:]
+                    if (high - low) * (i - left) > (y - low) * (middle - left):
+                        break
+                    hull.pop()  # it lies on or below the line between its neighbours
                 hull.append((i, y))
         found += [(y - x) / (j - i) for (i, x), (j, y) in pairwise(hull)]
     return found
-
-
-def _dented(left: tuple[int, int], middle: tuple[int, int], i: int, y: int) -> bool:
-    """Return whether the middle point lies on or below the line between its neighbours."""
-    return (middle[1] - left[1]) * (i - left[0]) <= (y - left[1]) * (middle[0] - left[0])

@@ -7,6 +7,7 @@ at.
 """
 
 from collections.abc import Sequence
+from functools import lru_cache
 from math import comb, exp, log, log10, pi
 
 import numpy as np
@@ -29,6 +30,7 @@ def closed_loop_stable(loop: Loop) -> bool:
     return decided(loop)[0] is True
 
 
+@lru_cache(maxsize=8)
 def decided(loop: Loop) -> tuple[bool | None, Proof]:
     """Return whether the closed loop is stable, and by which proof; None where none holds.
 

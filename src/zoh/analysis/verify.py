@@ -23,6 +23,7 @@ from zoh.sampling.hold import sample
 from zoh.spec import Requirements
 
 NOTHING_ASKED = Requirements()
+_NAMES = tuple(f.name for f in fields(Measured))
 
 
 def measure(
@@ -145,7 +146,7 @@ def verified(evidence: Measured) -> Verified:
     """Return the evidence as ``Verified``, or raise NotMet that carries it."""
     if evidence.misses:
         raise NotMet(evidence.misses, evidence)
-    return Verified(**{f.name: getattr(evidence, f.name) for f in fields(Measured)})
+    return Verified(**{name: getattr(evidence, name) for name in _NAMES})
 
 
 __all__ = ["Measured", "Verified", "measure", "verified", "verify"]

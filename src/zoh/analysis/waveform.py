@@ -141,7 +141,8 @@ def _last_outside(piece: Piece, final: float, band: float) -> float | None:
 def bounds(motion: Motion, states: Array) -> tuple[Array, Array]:
     """Return (low, high), bounds of the output between each sample and the next."""
     parts = [bernstein(len(part.rows)).dot(part.rows) for part in motion.stretches]
-    rows = np.concatenate([motion.output[None], *parts])
+    # the first of a stretch's is the output at its begin
+    rows = np.concatenate(parts) if parts else motion.output[None]
     count = states.shape[1]
     low, high = np.empty(count), np.empty(count)
     wide = max(1, _CELLS // len(rows))

@@ -15,7 +15,10 @@ from zoh.errors import SpecError
 from zoh.lti import poly
 from zoh.lti.given import check_fraction
 from zoh.lti.poly import ComplexArray, Poly
+from zoh.lti.whole import of
 from zoh.lti.wplane import w_to_z, z_to_w
+
+Wholes = tuple[list[int], list[int], int]  # num, den, and the one power of two that they are times
 
 MOST_DELAY = 1_000_000  # samples; z^-delay is written out in the z-coefficients
 
@@ -44,6 +47,7 @@ class Sampled:
     den_w: Poly = field(init=False, repr=False, compare=False)
     delay: int = field(init=False, repr=False, compare=False)
     _given: "tuple[Sampled, ...] | None" = field(init=False, repr=False, compare=False)
+    _whole: Wholes | None = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -53,20 +57,42 @@ class Sampled:
         check_fraction(self.num, self.den, "z")
         delay = _delay(self.num, self.den)
         n = len(self.den) - 1 - delay
-        put(self, "num_w", _floats(*z_to_w(self.num, self.dt, n)))
-        put(self, "den_w", _floats(*z_to_w(self.den[: n + 1], self.dt, n)))
+        (num, above), (den, below) = (z_to_w(a, self.dt, n) for a in (self.num, self.den[: n + 1]))
+        unit = max(above, below)  # both are powers of two
+        num, den = [c * (unit // above) for c in num], [c * (unit // below) for c in den]
+        put(self, "num_w", _floats(num, unit))
+        put(self, "den_w", _floats(den, unit))
         put(self, "delay", delay)
         put(self, "_given", None)
+        put(self, "_whole", (num, den, unit))
 
     @property
     def rounded(self) -> "tuple[Sampled, ...]":
         """Return the factors whose z-coefficients were given."""
         return (self,) if self._given is None else self._given
 
+    @property
+    def whole_w(self) -> Wholes:
+        """Return (num, den, unit): the w-form times unit in whole numbers, exactly; kept.
+
+        Of given z-coefficients it is what these say, of others what the floats of num_w and
+        den_w say.
+        """
+        if self._whole is None:
+            (num, den), unit = of(self.num_w, self.den_w)
+            object.__setattr__(self, "_whole", (num, den, unit))
+            return num, den, unit
+        return self._whole
+
+    @property
+    def is_given(self) -> bool:
+        """Return whether its z-coefficients are those that somebody gave."""
+        return self._given is None
+
     @classmethod
     def made(
         cls, *, num: Poly, den: Poly, dt: float, num_w: Poly, den_w: Poly, delay: int = 0,
-        rounded: "tuple[Sampled, ...]" = (),
+        rounded: "tuple[Sampled, ...]" = (), exact: Wholes | None = None,
     ) -> "Sampled":  # fmt: skip
         """Return a system whose two forms were computed together, from parameters."""
         system, put = object.__new__(cls), object.__setattr__
@@ -77,6 +103,7 @@ class Sampled:
         put(system, "den_w", den_w)
         put(system, "delay", delay)
         put(system, "_given", rounded)
+        put(system, "_whole", exact)
         return system
 
     @classmethod
@@ -98,20 +125,23 @@ class Sampled:
             raise SpecError(
                 "delay", f"must be {MOST_DELAY} samples or fewer", delay, "sample more slowly"
             )
-        n = max(len(num_w), len(den_w)) - 1
-        (top, top_unit), (bottom, unit) = w_to_z(num_w, dt, n), w_to_z(den_w, dt, n)
+        n = max(len(num_w), len(den_w))
+        num_w, den_w = poly.padded(num_w, n), poly.padded(den_w, n)
+        (num, den), unit = of(num_w, den_w)
+        (top, _), (bottom, _) = w_to_z(num, dt), w_to_z(den, dt)  # both times one factor
         for name, part in (("num_w", top), ("den_w", bottom)):
             if not any(part):
                 raise SpecError(name, "must not be all zeros", [0.0], "give one coefficient")
         lead = next(c for c in bottom if c)
         return cls.made(
-            num=_floats([c * unit for c in top], top_unit * lead),
+            num=_floats(top, lead),
             den=_floats(bottom, lead) + (0.0,) * delay,
             dt=dt,
-            num_w=poly.padded(num_w, n + 1),
-            den_w=poly.padded(den_w, n + 1),
+            num_w=num_w,
+            den_w=den_w,
             delay=delay,
             rounded=rounded,
+            exact=(num, den, unit),
         )
 
     @overload

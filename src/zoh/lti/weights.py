@@ -30,6 +30,8 @@ def feedforward(
     >>> feedforward({"kp": 2.0, "ki": 1.0}, 1.0, 1.0, 0.1) is None
     True
     """
+    if setpoint == derivative == 1:
+        return None
     for name, value, gain in zip(WEIGHTS, (setpoint, derivative), ("kp", "kd"), strict=True):
         if value != 1 and gain not in gains:
             raise SpecError(name, f"must be 1 for a law without {gain}", value, "leave it out")

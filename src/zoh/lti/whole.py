@@ -19,7 +19,8 @@ def of(*polynomials: Sequence[float]) -> tuple[list[list[int]], int]:
     """
     ratios = [[c.as_integer_ratio() for c in a] for a in polynomials]
     unit = max([bottom for a in ratios for _, bottom in a])
-    return [[top * (unit // bottom) for top, bottom in a] for a in ratios], unit
+    most = unit.bit_length()  # of powers of two the bits say the quotient
+    return [[top << most - bottom.bit_length() for top, bottom in a] for a in ratios], unit
 
 
 def times(a: Whole, b: Whole) -> list[int]:
@@ -60,6 +61,42 @@ def plus(a: Whole, b: Whole, factor: int = 1) -> list[int]:
     return [x + factor * y for x, y in zip(a, b, strict=True)]
 
 
+def packed(a: Whole, bits: int) -> int:
+    """Return a(2^bits): a polynomial as one whole number, so that products are one product.
+
+    Source: J. von zur Gathen, J. Gerhard, Modern Computer Algebra, 3rd ed., sec. 8.4 (Kronecker
+    substitution).
+
+    >>> packed((1, -2), 8) ** 2 == packed((1, -4, 4), 8)
+    True
+    """
+    value = 0
+    for c in a:
+        value = (value << bits) + c
+    return value
+
+
+def unpacked(value: int, bits: int, length: int) -> list[int]:
+    """Return so many coefficients of the polynomial whose value at 2^bits this is.
+
+    Each must be below 2^(bits - 1) in size.
+
+    >>> unpacked(packed((1, -4, 4), 8), 8, length=3)
+    [1, -4, 4]
+    """
+    out, unit = [], 1 << bits
+    half, low = unit >> 1, unit - 1
+    for _ in range(length):
+        c = value & low
+        value >>= bits
+        if c >= half:
+            c -= unit
+            value += 1
+        out.append(c)
+    out.reverse()
+    return out
+
+
 def trim(a: Whole) -> list[int]:
     """Return ``a`` without leading and trailing zeros: the same roots but for those at 0.
 
@@ -80,15 +117,15 @@ def at(a: Whole, x: float) -> int:
 
 
 def at_fraction(a: Whole, top: int, bottom: int) -> int:
-    """Return a(top/bottom) times bottom to the power of the degree.
+    """Return a(top/bottom), bottom a power of two, times it to the power of the degree.
 
     >>> at_fraction((4, 1), 1, 4)
     8
     """
-    value, unit = a[0], 1
+    value, bits, octaves = a[0], 0, bottom.bit_length() - 1
     for c in a[1:]:
-        unit *= bottom
-        value = value * top + c * unit
+        bits += octaves
+        value = value * top + (c << bits)
     return value
 
 
@@ -110,7 +147,7 @@ def size(a: Whole, octaves: int) -> int:
     4
     """
     n = len(a) - 1
-    return max((c.bit_length() + octaves * (n - i) for i, c in enumerate(a) if c), default=0)
+    return max([c.bit_length() + octaves * (n - i) for i, c in enumerate(a) if c], default=0)
 
 
 def floats(a: Whole, octaves: int, bits: int) -> list[float]:

@@ -98,15 +98,16 @@ def z_to_w(a: Sequence[float], dt: float, n: int) -> Ratio:
     return [c * top ** (n - k) * bottom**k for k, c in enumerate(out)], unit * bottom**n
 
 
-def w_to_z(a: Sequence[float], dt: float, n: int) -> Ratio:
-    """Return the polynomial in z that is (z+1)^n a(w), degree n, n + 1 coefficients, exactly.
+def w_to_z(a: Sequence[int], dt: float) -> Ratio:
+    """Return the polynomial in z that is (z+1)^n a(w), n the degree of a, exactly.
 
-    >>> w_to_z((1.0, 0.0), dt=2.0, n=1)  # w = (z - 1)/(z + 1)
+    >>> w_to_z((1, 0), dt=2.0)  # w = (z - 1)/(z + 1)
     ([2, -2], 2)
     """
-    (values,), unit = of(a)
-    values = [0] * (n + 1 - len(values)) + values
+    n = len(a) - 1
     top, bottom = dt.as_integer_ratio()
-    bottom *= 2
-    in_p = [c * bottom ** (n - k) * top**k for k, c in enumerate(values)]
-    return [sum(map(mul, column, in_p)) for column in _columns(n)[1]], unit * top**n
+    octaves, unit, in_p = bottom.bit_length(), 1, []  # of twice the bottom, a power of two
+    for k, c in enumerate(a):
+        in_p.append(c * unit << octaves * (n - k))
+        unit *= top
+    return [sum(map(mul, column, in_p)) for column in _columns(n)[1]], top**n

@@ -14,6 +14,7 @@ digits do.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
+from itertools import chain
 from math import factorial, log10
 
 import numpy as np
@@ -79,9 +80,9 @@ class Held:
             shifted = zip((0.0, *rows[-1][:-2], 0.0), low, strict=True)
             rows.append([a - top * b for a, b in shifted])
         if any(self.c[1:]):
-            series = np.array(self._series(list(self.c), length))
+            series = _array(self._series(list(self.c), length))
         else:  # without zeros y is x_0 but for its size
-            series = self.c[0] * np.array(first)
+            series = self.c[0] * _array(first)
         series[0, n] += self.d
         return np.array(rows), [(0.0, length, series)]
 
@@ -97,7 +98,7 @@ class Held:
         """Return y's series from t on."""
         terms = self.terms(span)
         if not t:
-            rows = np.array(self._series(list(self.c), span))
+            rows = _array(self._series(list(self.c), span))
             rows[0, -1] += self.d
             return rows
         response, precision = self._exact(t)
@@ -117,8 +118,8 @@ class Held:
         low, row = (*self.low, -1.0), [*row, 0.0]
         rows = [row]
         for j in range(1, self.terms(t)):
-            step, top = t / j, row[-2]
-            row = [(a - top * b) * step for a, b in zip((0.0, *row[:-2], 0.0), low, strict=True)]
+            step, top, shifted = t / j, row[-2], (0.0, *row[:-2], 0.0)
+            row = [(shifted[i] - top * a) * step for i, a in enumerate(low)]
             rows.append(row)
         return rows
 
@@ -160,6 +161,11 @@ class Held:
         with digits.precision(needed):
             gain = Decimal(self.plant.sensor)
             return StepResponse.of(num, den, gain, Decimal(self.dt)), needed
+
+
+def _array(rows: list[list[float]]) -> Array:
+    """Return the rows as an array; flat, they are read twice as fast."""
+    return np.fromiter(chain.from_iterable(rows), float).reshape(len(rows), -1)
 
 
 def _scaled(plant: Plant, dt: float) -> tuple[tuple[float, ...], tuple[float, ...], float]:

@@ -154,8 +154,8 @@ class Forms:
         missing = 0
         least = [self.bits - _NO_FLOAT - self.gain, 0, self.bits - _NO_FLOAT, 0]
         for values, errors, nothing in zip(self.values, self.errors, least, strict=True):
-            for value, error in zip(values, errors, strict=True):
-                size = abs(value)
+            for i, error in enumerate(errors):
+                size = abs(values[i])
                 if size >> _SURE >= error or (size + error).bit_length() <= nothing:
                     continue
                 if size <= error:

@@ -66,7 +66,8 @@ class FixedRing:
         if not a:
             return []
         top, bits = a[-1], self.bits
-        return [s - (top * m >> bits) for s, m in zip((0, *a[:-1]), self.modulus, strict=True)]
+        shifted = (0, *a[:-1])
+        return [shifted[i] - (top * m >> bits) for i, m in enumerate(self.modulus)]
 
     def norm(self, a: Element) -> int:
         """Return a whole number above the sum of the sizes of a's coefficients."""

@@ -43,17 +43,17 @@ class Scaled:
         below, above = den[0].as_integer_ratio()
         if below < 0:
             below, above = -below, -above
-        bottom = [(a * above, b * below) for a, b in (c.as_integer_ratio() for c in den)]
+        bottom = [(a * above, b * below) for a, b in [c.as_integer_ratio() for c in den]]
         factor, divisor = sensor.as_integer_ratio()
         above, below, late = above * factor, below * divisor, len(den) - len(num)
-        top = [(a * above, b * below) for a, b in (c.as_integer_ratio() for c in num)]
+        top = [(a * above, b * below) for a, b in [c.as_integer_ratio() for c in num]]
         rates = [-(-log2_above(c) // i) + 1 for i, c in enumerate(bottom) if i and c[0]]
         rate, k = max(rates, default=-frexp(dt)[1]), _at_origin(bottom)
         return cls(
             num=[(0, 1)] * late + top,
             den=bottom,
             rate=rate,
-            gain=max(log2_above(c) - rate * i for i, c in enumerate(top, late) if c[0]),
+            gain=max([log2_above(c) - rate * i for i, c in enumerate(top, late) if c[0]]),
             dt=dt,
             late=late,
             moving=len(den) - 1 - k,
@@ -88,8 +88,8 @@ class Scaled:
         """
         n, halvings, exponent = len(self.den) - 1, self.halvings(), frexp(self.dt)[1]
         finer = self.rate - max(halvings, 0)  # log2 of what is of order 1, in 1/s
-        slow = max(finer * i - log2_above(c) for i, c in enumerate(self.den) if c[0])
-        weak = max(finer * i - log2_above(c) for i, c in enumerate(self.num) if c[0])
+        slow = max([finer * i - log2_above(c) for i, c in enumerate(self.den) if c[0]])
+        weak = max([finer * i - log2_above(c) for i, c in enumerate(self.num) if c[0]])
         if halvings <= 0 or not n:
             fast = -halvings * self.late
         else:  # the size of exp(sigma dt) to the n-th; the product of the poles, exp(-den_1 dt)
