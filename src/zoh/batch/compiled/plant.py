@@ -1,18 +1,15 @@
-"""The zero-order hold of one plant; see ``zoh.batch.arrays.held``, the arithmetic of which this is.
-
-What belongs to a plant is written into a ``Plant``'s arrays, made once and used for every loop.
-"""
+"""The zero-order hold of one plant; see ``zoh.batch.arrays.held``, its arithmetic."""
 
 from math import pi, sqrt
-from typing import NamedTuple
 
 import numpy as np
 
 from zoh.batch.arrays.rows import Array
+from zoh.batch.compiled import work
 from zoh.batch.compiled.jit import compiled, shared
+from zoh.batch.compiled.work import LATE, WHOLE, Plant
 from zoh.batch.tolerances import EULERS, SERIES, SLOW, SMALL
 
-ORDER = 6
 _NOTHING = 1e-18
 
 
@@ -33,42 +30,19 @@ _EULER = _eulers()
 _FACTORIAL = np.cumprod(np.concatenate([[1.0], np.arange(1.0, EULERS + 2)]))
 
 
-class Plant(NamedTuple):
-    """What the hold makes: see ``zoh.batch.arrays.held.Held``; the first places of longer arrays.
-
-    a, b     the plant in samples, then in the unit;  markov in the unit, h in samples
-    numbers  direct, samples of the unit, reach, how far off the gain at rest has come out, terms
-    """
-
-    top: Array
-    bottom: Array
-    delta: Array
-    before: Array
-    after: Array
-    rows: Array
-    markov: Array
-    a: Array
-    b: Array
-    matrix: Array
-    other: Array
-    fl: Array
-    numbers: Array
-
-
-def plant() -> Plant:
-    """Return the arrays."""
-    n = ORDER
-    return Plant(
-        top=np.zeros(2 * n), bottom=np.zeros(2 * n), delta=np.zeros((n, n)), before=np.zeros(n),
-        after=np.zeros(n), rows=np.zeros((n + SERIES + 1, n)),
-        markov=np.zeros(EULERS + n + 2), a=np.zeros(n + 1), b=np.zeros(n + 1),
-        matrix=np.zeros((n, n)), other=np.zeros((n, n)), fl=np.zeros((n, n)), numbers=np.zeros(5),
-    )  # fmt: skip
+@compiled
+def held(w: int, n: int, dt: float, lead: float) -> None:
+    """Hold the plant p.b/p.a (ascending powers of s, a[n] = 1, overwritten) of order n."""
+    if n == 2:  # of the usual order the compiler knows every place beforehand
+        hold(w, 2, dt, lead)
+    else:
+        hold(w, n, dt, lead)
 
 
 @compiled
-def held(p: Plant, n: int, dt: float, lead: float) -> None:
-    """Hold the plant p.b/p.a (ascending powers of s, a[n] = 1, overwritten) of order n."""
+def hold(w: int, n: int, dt: float, lead: float) -> None:
+    """Do what ``held`` does."""
+    p = work.plant(w)
     a, b, h, numbers = p.a, p.b, p.markov, p.numbers
     power = 1.0
     for j in range(n, -1, -1):
@@ -127,11 +101,11 @@ def held(p: Plant, n: int, dt: float, lead: float) -> None:
             h[j] *= power
             power *= unit
     powers_of(a, n, terms, p.rows)
-    advanced(p.rows, h, n, terms, halvings, 1.0, p.delta, p.before, p.matrix)
+    advanced(w, n, terms, halvings, 1.0, WHOLE)
     for i in range(n):
-        p.after[i] = 0.0
+        p.enters[LATE, i] = 0.0
     if lead > 0.0:
-        advanced(p.rows, h, n, terms, halvings, lead, p.other, p.after, p.matrix)
+        advanced(w, n, terms, halvings, lead, LATE)
     transfer(p, n)
     if euler:
         p.top[n] = at_nyquist * p.bottom[n]
@@ -179,11 +153,19 @@ def powers_of(a: Array, n: int, terms: int, rows: Array) -> None:
 
 
 @shared
-def advanced(
-    rows: Array, h: Array, n: int, terms: int, halvings: int, t: float, delta: Array, b: Array,
-    matrix: Array,
-) -> None:  # fmt: skip
-    """Write delta and B over t samples."""
+def advanced(w: int, n: int, terms: int, halvings: int, t: float, which: int) -> None:
+    """Write delta and B over t samples, as the one of this number."""
+    if n == 2:
+        advance(w, 2, terms, halvings, t, which)
+    else:
+        advance(w, n, terms, halvings, t, which)
+
+
+@compiled
+def advance(w: int, n: int, terms: int, halvings: int, t: float, which: int) -> None:
+    """Do what ``advanced`` does."""
+    p = work.plant(w)
+    rows, h, delta, b, matrix = p.rows, p.markov, p.delta[which], p.enters[which], p.matrix
     for i in range(n):
         b[i] = 0.0
         for j in range(n):
@@ -217,7 +199,7 @@ def advanced(
 @compiled
 def transfer(p: Plant, n: int) -> None:
     """Write top and bottom in p, from delta, before and after (Faddeev-LeVerrier)."""
-    delta, m, product, rows = p.delta, p.matrix, p.other, p.fl
+    delta, m, product, rows = p.delta[WHOLE], p.matrix, p.other, p.fl
     integrators = 0
     while integrators < n - 1 and p.a[integrators] == 0.0:
         integrators += 1
@@ -251,9 +233,9 @@ def transfer(p: Plant, n: int) -> None:
         total = 0.0
         for i in range(n):
             if k < n:
-                total += rows[k, i] * p.before[i]
+                total += rows[k, i] * p.enters[WHOLE, i]
             if k:
-                total += rows[k - 1, i] * p.after[i]
+                total += rows[k - 1, i] * p.enters[LATE, i]
         m[0, 0] = 0.0
         top[k] = total
     in_p(top, n, rows)
