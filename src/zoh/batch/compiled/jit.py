@@ -7,12 +7,14 @@ folder in a variable that the key takes in.
 """
 
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from hashlib import sha256
 from importlib.resources import files
 from typing import TypeVar, cast
 
 from numba import njit
 from numba.core import config
+from numba.core.compiler_lock import global_compiler_lock
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
@@ -43,12 +45,13 @@ def side_by_side(plain: Callable[..., object]) -> Callable[..., object]:
     """
 
     def compiles(*signature: object) -> object:
-        before = vars(config)["SLP_VECTORIZE"]
-        vars(config)["SLP_VECTORIZE"] = 1
-        try:
-            return plain(*signature)
-        finally:
-            vars(config)["SLP_VECTORIZE"] = before
+        with cast(AbstractContextManager[None], global_compiler_lock):
+            before = vars(config)["SLP_VECTORIZE"]
+            vars(config)["SLP_VECTORIZE"] = 1
+            try:
+                return plain(*signature)
+            finally:
+                vars(config)["SLP_VECTORIZE"] = before
 
     return compiles
 

@@ -19,6 +19,7 @@ from zoh.batch.compiled.polynomials import (
 from zoh.batch.tolerances import DROP, ON_IT_DEG, UNITY
 
 _POLISH = 3
+_LAST = 1e-8  # relative: the error after a Newton's step as small as this is its square
 _AT_ONE = 1e-10  # of its terms: what is left of the gain at the crossover it was solved at
 
 # places of the figures
@@ -53,7 +54,7 @@ def by_gain(w: int, n: int, x: float, dt: float, out: Array) -> bool:
             slope = -((of_b * a - of_a * b) / square_n - (of_d * c - of_c * d) / square_d)
             step = 0.5 * log(square_n / square_d) / slope
             v -= step
-            if abs(step) <= 4e-16 * v:
+            if abs(step) <= _LAST * v:
                 break
         a, b, _, _ = on_axis(num, n, v)
         c, d, _, _ = on_axis(den, n, v)
@@ -117,7 +118,7 @@ def by_phase(w: int, n: int, x: float, dt: float, out: Array) -> bool:
                 c, d, of_c, of_d = on_axis(den, n, v)
                 step = (b * c - a * d) / (of_a * c + of_b * d - a * of_c - b * of_d)
                 v -= step
-                if abs(step) <= 4e-16 * v:
+                if abs(step) <= _LAST * v:
                     break
             a, b, _, _ = on_axis(num, n, v)
             c, d, _, _ = on_axis(den, n, v)

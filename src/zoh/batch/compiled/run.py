@@ -120,7 +120,7 @@ def _results(
     for places, values in ((_MARGINS, margin), (_STEPS, step)):
         for name, place in places.items():
             if name in out:
-                out[name][has] = values[has, place]
+                np.copyto(out[name], values[:, place], where=has)
     out["stable"][:], out["reason"][:] = has, reason
     return out
 
