@@ -155,6 +155,14 @@ def sizes(num: Array, den: Array, n: int, v: float) -> tuple[float, float, float
 @compiled
 def measured(w: int, n: int, x: float, dt: float, out: Array) -> bool:
     """Write every figure of the loop; return any doubt."""
+    if n == 4:  # of the usual degree the compiler knows every place beforehand
+        return every_figure(w, 4, x, dt, out)
+    return every_figure(w, n, x, dt, out)
+
+
+@compiled
+def every_figure(w: int, n: int, x: float, dt: float, out: Array) -> bool:
+    """Do what ``measured`` does."""
     lines = work.lines(w)
     num, den, some = lines.num, lines.den, lines.some
     nn, dd, aa, bb = lines.nn, lines.dd, lines.aa, lines.bb
