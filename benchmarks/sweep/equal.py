@@ -161,7 +161,7 @@ def main() -> int:
     with ProcessPoolExecutor(asked.jobs) as pool:
         for i, (its_counts, its_most, told) in enumerate(pool.map(family, families)):
             counts += its_counts
-            most = {name: max(x, most.get(name, 0.0)) for name, x in its_most.items()}
+            most |= {name: max(x, most.get(name, 0.0)) for name, x in its_most.items()}
             wrong += len(told)
             for line in told:
                 print(line, flush=True)

@@ -39,7 +39,7 @@ def test_another_process_compiles_once(begun, capsys):
     said = capsys.readouterr()
     assert not said.out
     assert said.err.splitlines() == [
-        "zoh: compiling the fast arithmetic, once: a minute or two ...", "zoh: compiled",
+        "zoh: compiling the fast arithmetic, once: some three minutes ...", "zoh: compiled",
     ]  # fmt: skip
 
 

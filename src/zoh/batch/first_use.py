@@ -26,7 +26,7 @@ def ready() -> None:
     """Return once the arithmetic is compiled, and say that it is; or leave it to its first call."""
     if _mark().exists():
         return
-    sys.stderr.write("zoh: compiling the fast arithmetic, once: a minute or two ...\n")
+    sys.stderr.write("zoh: compiling the fast arithmetic, once: some three minutes ...\n")
     done = subprocess.run([sys.executable, "-c", _COMMAND], check=False, stderr=subprocess.DEVNULL)
     sys.stderr.write("zoh: compiled\n" if done.returncode == 0 else "zoh: compiling here instead\n")
 

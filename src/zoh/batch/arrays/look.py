@@ -4,8 +4,8 @@ Z(k + 2^i) = Z(k) + S Z(k), S doubled i times, goes to any sample in a few produ
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
-from math import inf
+from dataclasses import dataclass, field, fields
+from math import ceil, inf, log2
 
 import numpy as np
 import numpy.typing as npt
@@ -53,6 +53,7 @@ class Part:
     delta: Array
     output: Array
     size: Array
+    _doubled: list[Array] = field(default_factory=list)
 
     @classmethod
     def of(cls, motion: Motion, sign: Array, size: Array, who: Index) -> "Part":
@@ -83,24 +84,31 @@ class Part:
 
     def state(self, k: Array) -> Array:
         """Return Z at sample k, by squaring."""
-        z, s, bits = np.zeros(self.output.shape), self.delta, k.astype(np.int64)
+        z, bits, level = np.zeros(self.output.shape), k.astype(np.int64), 0
         z[-1] = 1.0
         while bits.any():
-            z = np.where(bits & 1, z + moved(s, z), z)
+            if (bits & 1).any():
+                z = np.where(bits & 1, z + moved(self.doubled(level), z), z)
             bits >>= 1
-            s = twice(s)
+            level += 1
         return z
+
+    def doubled(self, level: int) -> Array:
+        """Return by what Z moves in 2^level samples; each is worked out once."""
+        if not self._doubled:
+            self._doubled.append(self.delta)
+        while len(self._doubled) <= level:
+            self._doubled.append(twice(self._doubled[-1]))
+        return self._doubled[level]
 
     def last(
         self, start: Array, end: Array, holds: Callable[["Part", Array], Mask]
     ) -> tuple[Array, Array]:
         """Return (the last sample before end up to which ``holds`` does from start on, Z there)."""
         k, z = start.copy(), self.state(start)
-        ladder, furthest = [self.delta], float((end - start).max(initial=1.0))
-        while 2.0 ** len(ladder) < furthest:
-            ladder.append(twice(ladder[-1]))
-        for level in range(len(ladder) - 1, -1, -1):
-            there = z + moved(ladder[level], z)
+        furthest = float((end - start).max(initial=1.0))
+        for level in range(max(ceil(log2(furthest)), 1) - 1, -1, -1):
+            there = z + moved(self.doubled(level), z)
             go = (k + 2.0**level < end) & holds(self, there)
             k, z = np.where(go, k + 2.0**level, k), np.where(go, there, z)
         return k, z

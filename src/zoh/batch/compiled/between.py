@@ -1,14 +1,14 @@
 """The highest that one step response goes between its samples; see ``zoh.batch.arrays.between``."""
 
-from math import inf
-from typing import NamedTuple
+from math import inf, sqrt
 
 import numpy as np
 
 from zoh.batch.arrays.rows import Array
+from zoh.batch.compiled import work
 from zoh.batch.compiled.jit import compiled, shared
-from zoh.batch.compiled.motion import SIZE, Motion
-from zoh.batch.compiled.plant import ORDER, Plant, advanced
+from zoh.batch.compiled.plant import advanced
+from zoh.batch.compiled.work import PART, WHOLE, Pieces, Plant
 from zoh.batch.tolerances import REACH, TAYLOR
 
 _LAST = 1e-9  # of the piece: the error after a Newton's step as small as this is its square
@@ -16,43 +16,15 @@ _NOTHING = 1e-18
 _PART = 1.0 / np.maximum(np.arange(TAYLOR + 2.0), 1.0)
 
 
-class Pieces(NamedTuple):
-    """The parts of every sample: rows on Z, and their ends as parts of a sample."""
-
-    y0: Array
-    y1: Array
-    slope0: Array
-    slope1: Array
-    state: Array
-    input: Array
-    ends: Array
-    delta: Array
-    b: Array
-    matrix: Array
-    series: Array
-    input_slope: Array
-
-
-def pieces() -> Pieces:
-    """Return the arrays."""
-    rows = (2, SIZE)
-    return Pieces(
-        y0=np.zeros(rows), y1=np.zeros(rows), slope0=np.zeros(rows), slope1=np.zeros(rows),
-        state=np.zeros((3, ORDER, SIZE)), input=np.zeros(rows), ends=np.zeros(3),
-        delta=np.zeros((ORDER, ORDER)), b=np.zeros(ORDER), matrix=np.zeros((ORDER, ORDER)),
-        series=np.zeros(TAYLOR + ORDER + 1), input_slope=np.zeros(1),
-    )  # fmt: skip
-
-
 @compiled
-def cut(q: Pieces, m: Motion, p: Plant, n: int, delay: int, lead: float, size: int) -> int:
+def cut(w: int, n: int, delay: int, lead: float, size: int) -> int:
     """Write the parts of every sample over which the input is held; return how many."""
+    q, m, p = work.pieces(w), work.motion(w), work.plant(w)
     count = 2 if delay and lead > 0.0 else 1
     q.ends[0], q.ends[count] = 0.0, 1.0
     if count == 2:
         q.ends[1] = 1.0 - lead
     halvings, terms = 0, int(p.numbers[4])
-    q.input_slope[0] = p.markov[0]
     while 2.0**halvings < p.numbers[1]:
         halvings += 1
     for i in range(n):
@@ -66,10 +38,9 @@ def cut(q: Pieces, m: Motion, p: Plant, n: int, delay: int, lead: float, size: i
                 q.input[piece, j] = m.effort[j]
         if count == 2:
             span = q.ends[piece + 1] - q.ends[piece]
-            advanced(p.rows, p.markov, n, terms, halvings, span, q.delta, q.b, q.matrix)
-            moved(q, piece, n, size, q.delta, q.b)
-        else:
-            moved(q, piece, n, size, p.delta, p.before)
+            advanced(w, n, terms, halvings, span, PART)
+        which = PART if count == 2 else WHOLE
+        moved(q, piece, n, size, p.delta[which], p.enters[which])
         for j in range(size):
             through = p.numbers[0] * q.input[piece, j]
             q.y0[piece, j] = q.state[piece, 0, j] + through if n else through
@@ -114,9 +85,10 @@ def estimate(y0: float, y1: float, slope0: float, slope1: float) -> float:
 
 @shared
 def crest(
-    p: Plant, q: Pieces, piece: int, n: int, z: Array, sign: float, size: int
+    w: int, piece: int, n: int, z: Array, sign: float, size: int
 ) -> tuple[float, float, bool]:
     """Return (the height of the crest in a piece at Z, its time in samples, whether known)."""
+    p, q = work.plant(w), work.pieces(w)
     if n == 0:
         return -inf, 0.0, True
     g, span = q.series, (q.ends[piece + 1] - q.ends[piece]) * p.numbers[1]
@@ -149,13 +121,21 @@ def crest(
     for k in range(1, terms + 1):
         falls += k * g[k]
     if g[1] > 0.0 > falls:
-        t = turning(g, terms, g[1] / (g[1] - falls))
+        t = turning(g, terms, near(g, g[1] / (g[1] - falls)))
         value = g[terms]
         for k in range(terms - 1, -1, -1):
             value = value * t + g[k]
         height = value + p.numbers[0] * u
         when = q.ends[piece] + t * (q.ends[piece + 1] - q.ends[piece])
     return height, when, reach <= REACH
+
+
+@compiled
+def near(g: Array, t: float) -> float:
+    """Return where the slope's first three terms are 0; t where that is not in (0, 1)."""
+    square = g[2] * g[2] - 3.0 * g[1] * g[3]
+    there = g[1] / (sqrt(max(square, 0.0)) - g[2])
+    return there if 0.0 < there < 1.0 else t
 
 
 @compiled

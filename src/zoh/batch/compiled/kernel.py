@@ -2,21 +2,19 @@
 
 from collections.abc import Callable
 from math import inf, log, tan
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from zoh.batch.arrays.rows import Array
-from zoh.batch.compiled import between, laws, margins, plant, polynomials, steps, track
-from zoh.batch.compiled import motion as motions
-from zoh.batch.compiled.bare import bare
-from zoh.batch.compiled.between import Pieces
+from zoh.batch.compiled import between, laws, margins, motion, steps, work
 from zoh.batch.compiled.jit import compiled, kept, stamp
-from zoh.batch.compiled.margins import measured, stable
-from zoh.batch.compiled.motion import Law, Motion
-from zoh.batch.compiled.plant import Plant, held
+from zoh.batch.compiled.layout import bare
+from zoh.batch.compiled.margins import measured
+from zoh.batch.compiled.modes import modes
+from zoh.batch.compiled.plant import held
 from zoh.batch.compiled.polynomials import on_axis, times
+from zoh.batch.compiled.stability import stable
 from zoh.batch.tolerances import HELD, ON_TARGET, ROOM
 
 GAINS = 4  # at most, of a law
@@ -26,47 +24,17 @@ _GRID = np.geomspace(1e-7, 1e4, 45)  # of |p|
 OK, INFEASIBLE, UNSTABLE, OFF_TARGET = 0, 1, 2, 4  # of ``Reason``
 
 
-class Work(NamedTuple):
-    """Every array that a loop needs, made once for a stretch of them."""
-
-    plant: Plant
-    law: Law
-    motion: Motion
-    pieces: Pieces
-    num: Array
-    den: Array
-    more: Array
-    roots: Array
-    work: Array
-    parts: Array
-    ladder: Array
-    block: Array
-    zs: Array
-    seen: Array
-
-
-def made() -> Work:
-    """Return the arrays."""
-    line = polynomials.MOST
-    return Work(
-        plant=plant.plant(), law=motions.law(), motion=motions.motion(), pieces=between.pieces(),
-        num=np.zeros(line), den=np.zeros(line), more=np.zeros(line), roots=np.zeros(line),
-        work=polynomials.work(), parts=np.zeros((12, line)), ladder=track.ladder(),
-        block=track.block(), zs=track.states(), seen=np.zeros(track.SEEN),
-    )  # fmt: skip
-
-
 @compiled
 def one(
-    w: Work, code: int, n: int, reference: float, num: Array, den: Array, dt: float, delay: int,
+    w: int, code: int, n: int, reference: float, num: Array, den: Array, dt: float, delay: int,
     lead: float, wc: float, pm_deg: float, spare: float, pole: float, i: int, gains: Array,
     margin: Array, step: Array, reason: npt.NDArray[np.int8],
 ) -> bool:  # fmt: skip
     """Write what becomes of one loop; return whether it is left to the single design."""
-    p, law = w.plant, w.law
+    p, law = work.plant(w), work.law(w)
     for k in range(n + 1):
         p.b[k], p.a[k] = num[k, i], den[k, i]
-    held(p, n, dt, lead)
+    held(w, n, dt, lead)
     if not abs(p.numbers[3]) <= HELD:
         return True
     x = tan(wc * dt / 2.0)
@@ -85,20 +53,18 @@ def one(
     for k in range(gains.size):
         gains[k] = law.numbers[2 + k]
     degree = closed(w, n, c, delay, x)
-    good, doubt = stable(w.num, w.den, degree, w.more, w.roots)
+    good, doubt = stable(w, degree)
     if doubt:
         return True
     if not good:
         reason[i] = UNSTABLE
         return False
-    if measured(w.num, w.den, degree, x, dt, margin, w.roots, w.work, w.parts):
+    if measured(w, degree, x, dt, margin):
         return True
-    size = motions.closed(w.motion, p, law, n, c, delay)
-    motions.poles(w.motion, w.num, w.den, degree, x)
-    slowest = motions.modes(w.motion, degree)
-    count = between.cut(w.pieces, w.motion, p, n, delay, lead, size)
-    if steps.step_metrics(w.motion, p, w.pieces, count, n, degree, size, slowest, dt, reference,
-                          w.ladder, w.block, w.zs, w.seen, step):  # fmt: skip
+    size = motion.closed(w, n, c, delay)
+    slowest = modes(w, degree, x)
+    count = between.cut(w, n, delay, lead, size)
+    if steps.step_metrics(w, count, n, degree, size, slowest, dt, reference, step):
         return True
     reason[i] = OK
     if code != GIVEN:
@@ -112,15 +78,16 @@ def one(
 
 
 @compiled
-def crossover(w: Work, n: int, c: int) -> float:
+def crossover(w: int, n: int, c: int) -> float:
     """Return about the highest |p| at which the gain is 1, or where it is nearest to 1."""
+    p, law = work.plant(w), work.law(w)
     last, nearest, least = 0.0, 1.0, inf
     for x in _GRID:
-        a, b, _, _ = on_axis(w.plant.top, n, x)
-        e, f, _, _ = on_axis(w.law.num, c, x)
+        a, b, _, _ = on_axis(p.top, n, x)
+        e, f, _, _ = on_axis(law.num, c, x)
         over = (a * a + b * b) * (e * e + f * f)
-        a, b, _, _ = on_axis(w.plant.bottom, n, x)
-        e, f, _, _ = on_axis(w.law.den, c, x)
+        a, b, _, _ = on_axis(p.bottom, n, x)
+        e, f, _, _ = on_axis(law.den, c, x)
         size = over / ((a * a + b * b) * (e * e + f * f))
         if size >= 1.0:
             last = x
@@ -130,20 +97,21 @@ def crossover(w: Work, n: int, c: int) -> float:
 
 
 @compiled
-def closed(w: Work, n: int, c: int, delay: int, x: float) -> int:
+def closed(w: int, n: int, c: int, delay: int, x: float) -> int:
     """Write the loop in u = p/x; return its degree."""
-    degree = times(w.plant.top, n, w.law.num, c, w.num)
-    times(w.plant.bottom, n, w.law.den, c, w.den)
+    p, law, num, den = work.plant(w), work.law(w), work.lines(w).num, work.lines(w).den
+    degree = times(p.top, n, law.num, c, num)
+    times(p.bottom, n, law.den, c, den)
     for _ in range(delay):
         for k in range(degree + 1, 0, -1):
-            w.num[k] = (w.num[k] if k <= degree else 0.0) - w.num[k - 1]
-            w.den[k] = (w.den[k] if k <= degree else 0.0) + w.den[k - 1]
+            num[k] = (num[k] if k <= degree else 0.0) - num[k - 1]
+            den[k] = (den[k] if k <= degree else 0.0) + den[k - 1]
         degree += 1
     power = 1.0
     for k in range(1, degree + 1):
         power *= x
-        w.num[k] *= power
-        w.den[k] *= power
+        num[k] *= power
+        den[k] *= power
     return degree
 
 
@@ -152,26 +120,22 @@ def _stretch(of: int) -> Callable[..., None]:
 
     @kept
     def stretch(
-        w: Work, code: int, order: int, reference: float, num: Array, den: Array, dt: Array,
+        w: int, code: int, order: int, reference: float, num: Array, den: Array, dt: Array,
         delay: npt.NDArray[np.int64], lead: Array, wc: Array, pm_deg: Array, spare: Array,
         pole: Array, first: int, end: int, gains: Array, margin: Array, step: Array,
         reason: npt.NDArray[np.int8], left: npt.NDArray[np.bool_],
     ) -> None:  # fmt: skip
         """Write gains, figures and reasons of the loops from first to end, a row a loop.
 
+        w     the address of ``work.LENGTH`` floats
         left  what is not regular comes in True; what floats cannot decide goes out True
         """
         if of < 0:
             return
-        own, plants, out, why = (
-            bare(w),
-            bare((num, den)),
-            bare((gains, margin, step)),
-            bare((reason,)),
-        )
+        plants, out, why = bare((num, den)), bare((gains, margin, step)), bare((reason,))
         for i in range(first, end):
             if not left[i]:
-                left[i] = one(own, code, order, reference, plants[0], plants[1], dt[i], delay[i],
+                left[i] = one(w, code, order, reference, plants[0], plants[1], dt[i], delay[i],
                               lead[i], wc[i], pm_deg[i], spare[i], pole[i], i, out[0][i],
                               out[1][i], out[2][i], why[0])  # fmt: skip
 
@@ -180,4 +144,4 @@ def _stretch(of: int) -> Callable[..., None]:
 
 stretch = _stretch(stamp())
 
-__all__ = ["GAINS", "made", "stretch"]
+__all__ = ["GAINS", "stretch"]

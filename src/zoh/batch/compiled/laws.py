@@ -3,9 +3,8 @@
 from math import acos, asin, atan, atan2, cos, hypot, nan, pi, sin, sqrt
 
 from zoh.batch.compiled.jit import compiled
-from zoh.batch.compiled.motion import Law
-from zoh.batch.compiled.plant import Plant
 from zoh.batch.compiled.polynomials import on_axis
+from zoh.batch.compiled.work import Law, Plant
 from zoh.batch.tolerances import SAME_TURN
 
 CODES = {"p": 0, "pi": 1, "pd": 2, "pid": 3, "lag": 4, "lead": 5, "given": 6}

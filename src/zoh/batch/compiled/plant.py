@@ -1,18 +1,16 @@
-"""The zero-order hold of one plant; see ``zoh.batch.arrays.held``, the arithmetic of which this is.
-
-What belongs to a plant is written into a ``Plant``'s arrays, made once and used for every loop.
-"""
+"""The zero-order hold of one plant; see ``zoh.batch.arrays.held``, its arithmetic."""
 
 from math import pi, sqrt
-from typing import NamedTuple
 
 import numpy as np
 
 from zoh.batch.arrays.rows import Array
+from zoh.batch.compiled import work
 from zoh.batch.compiled.jit import compiled, shared
+from zoh.batch.compiled.transfer import transfer
+from zoh.batch.compiled.work import LATE, WHOLE
 from zoh.batch.tolerances import EULERS, SERIES, SLOW, SMALL
 
-ORDER = 6
 _NOTHING = 1e-18
 
 
@@ -33,42 +31,19 @@ _EULER = _eulers()
 _FACTORIAL = np.cumprod(np.concatenate([[1.0], np.arange(1.0, EULERS + 2)]))
 
 
-class Plant(NamedTuple):
-    """What the hold makes: see ``zoh.batch.arrays.held.Held``; the first places of longer arrays.
-
-    a, b     the plant in samples, then in the unit;  markov in the unit, h in samples
-    numbers  direct, samples of the unit, reach, how far off the gain at rest has come out, terms
-    """
-
-    top: Array
-    bottom: Array
-    delta: Array
-    before: Array
-    after: Array
-    rows: Array
-    markov: Array
-    a: Array
-    b: Array
-    matrix: Array
-    other: Array
-    fl: Array
-    numbers: Array
-
-
-def plant() -> Plant:
-    """Return the arrays."""
-    n = ORDER
-    return Plant(
-        top=np.zeros(2 * n), bottom=np.zeros(2 * n), delta=np.zeros((n, n)), before=np.zeros(n),
-        after=np.zeros(n), rows=np.zeros((n + SERIES + 1, n)),
-        markov=np.zeros(EULERS + n + 2), a=np.zeros(n + 1), b=np.zeros(n + 1),
-        matrix=np.zeros((n, n)), other=np.zeros((n, n)), fl=np.zeros((n, n)), numbers=np.zeros(5),
-    )  # fmt: skip
+@compiled
+def held(w: int, n: int, dt: float, lead: float) -> None:
+    """Hold the plant p.b/p.a (ascending powers of s, a[n] = 1, overwritten) of order n."""
+    if n == 2:  # of the usual order the compiler knows every place beforehand
+        hold(w, 2, dt, lead)
+    else:
+        hold(w, n, dt, lead)
 
 
 @compiled
-def held(p: Plant, n: int, dt: float, lead: float) -> None:
-    """Hold the plant p.b/p.a (ascending powers of s, a[n] = 1, overwritten) of order n."""
+def hold(w: int, n: int, dt: float, lead: float) -> None:
+    """Do what ``held`` does."""
+    p = work.plant(w)
     a, b, h, numbers = p.a, p.b, p.markov, p.numbers
     power = 1.0
     for j in range(n, -1, -1):
@@ -127,11 +102,11 @@ def held(p: Plant, n: int, dt: float, lead: float) -> None:
             h[j] *= power
             power *= unit
     powers_of(a, n, terms, p.rows)
-    advanced(p.rows, h, n, terms, halvings, 1.0, p.delta, p.before, p.matrix)
+    advanced(w, n, terms, halvings, 1.0, WHOLE)
     for i in range(n):
-        p.after[i] = 0.0
+        p.enters[LATE, i] = 0.0
     if lead > 0.0:
-        advanced(p.rows, h, n, terms, halvings, lead, p.other, p.after, p.matrix)
+        advanced(w, n, terms, halvings, lead, LATE)
     transfer(p, n)
     if euler:
         p.top[n] = at_nyquist * p.bottom[n]
@@ -179,11 +154,19 @@ def powers_of(a: Array, n: int, terms: int, rows: Array) -> None:
 
 
 @shared
-def advanced(
-    rows: Array, h: Array, n: int, terms: int, halvings: int, t: float, delta: Array, b: Array,
-    matrix: Array,
-) -> None:  # fmt: skip
-    """Write delta and B over t samples."""
+def advanced(w: int, n: int, terms: int, halvings: int, t: float, which: int) -> None:
+    """Write delta and B over t samples, as the one of this number."""
+    if n == 2:
+        advance(w, 2, terms, halvings, t, which)
+    else:
+        advance(w, n, terms, halvings, t, which)
+
+
+@compiled
+def advance(w: int, n: int, terms: int, halvings: int, t: float, which: int) -> None:
+    """Do what ``advanced`` does."""
+    p = work.plant(w)
+    rows, h, delta, b, matrix = p.rows, p.markov, p.delta[which], p.enters[which], p.matrix
     for i in range(n):
         b[i] = 0.0
         for j in range(n):
@@ -212,71 +195,3 @@ def advanced(
         for i in range(n):
             for k in range(n):
                 delta[i, k] = matrix[i, k]
-
-
-@compiled
-def transfer(p: Plant, n: int) -> None:
-    """Write top and bottom in p, from delta, before and after (Faddeev-LeVerrier)."""
-    delta, m, product, rows = p.delta, p.matrix, p.other, p.fl
-    integrators = 0
-    while integrators < n - 1 and p.a[integrators] == 0.0:
-        integrators += 1
-    if integrators == n - 1 and p.a[n - 1] == 0.0:
-        integrators = n
-    char, top = p.b, p.top
-    char[n] = 1.0
-    for i in range(n):
-        for j in range(n):
-            m[i, j] = 1.0 if i == j else 0.0
-            rows[i, j] = 0.0
-    rows[n - 1, 0] = 1.0
-    for k in range(n - 1, -1, -1):
-        trace = 0.0
-        for i in range(n):
-            for j in range(n):
-                total = 0.0
-                for q in range(n):
-                    total += delta[i, q] * m[q, j]
-                product[i, j] = total
-            trace += product[i, i]
-        char[k] = -trace / (n - k) if k >= integrators else 0.0
-        if k:
-            for i in range(n):
-                for j in range(n):
-                    m[i, j] = product[i, j]
-                m[i, i] += char[k]
-            for j in range(n):
-                rows[k - 1, j] = m[0, j]
-    for k in range(n + 1):
-        total = 0.0
-        for i in range(n):
-            if k < n:
-                total += rows[k, i] * p.before[i]
-            if k:
-                total += rows[k - 1, i] * p.after[i]
-        m[0, 0] = 0.0
-        top[k] = total
-    in_p(top, n, rows)
-    for k in range(n + 1):
-        p.bottom[k] = char[k]
-    in_p(p.bottom, n, rows)
-
-
-@compiled
-def in_p(x: Array, n: int, work: Array) -> None:
-    """Turn powers of z - 1 into powers of p, times (1 - p)^n: Horner's scheme in 2p and 1 - p."""
-    out, power = work.ravel()[: n + 1], work.ravel()[n + 1 : 2 * n + 2]
-    for k in range(n + 1):
-        out[k], power[k] = 0.0, 0.0
-    power[0] = 1.0
-    out[0] = x[n]
-    for k in range(n - 1, -1, -1):
-        degree = n - k
-        for j in range(degree, 0, -1):
-            power[j] -= power[j - 1]
-            out[j] = 2.0 * out[j - 1]
-        out[0] = 0.0
-        for j in range(degree + 1):
-            out[j] += x[k] * power[j]
-    for k in range(n + 1):
-        x[k] = out[k]

@@ -8,10 +8,12 @@ from math import inf, sqrt
 import numpy as np
 
 from zoh.batch.arrays.rows import Array
+from zoh.batch.compiled import work
 from zoh.batch.compiled.jit import compiled, shared
 from zoh.batch.tolerances import DOUBLE
 
-MOST = 32  # places of every work array
+GRID = np.geomspace(1e-2, 1e4, 16)  # of q, where something is looked for first
+_1, _2, _3, _4, _5, _6, _7 = (np.uint64(i) for i in range(1, 8))  # places that are never < 0
 _STEPS = 120
 _LAST = 1e-8  # relative: the error after a Newton's step as small as this is its square
 
@@ -69,6 +71,21 @@ def on_axis(a: Array, n: int, v: float) -> tuple[float, float, float, float]:
 
 
 @compiled
+def on_grid(a: Array, n: int, out: Array) -> None:
+    """Write the values at the points of ``GRID``."""
+    for first in range(0, len(GRID), 8):
+        i = np.uint64(first)
+        x0, x1, x2, x3 = GRID[i], GRID[i + _1], GRID[i + _2], GRID[i + _3]
+        x4, x5, x6, x7 = GRID[i + _4], GRID[i + _5], GRID[i + _6], GRID[i + _7]
+        y0 = y1 = y2 = y3 = y4 = y5 = y6 = y7 = a[n]
+        for k in range(n - 1, -1, -1):
+            y0, y1, y2, y3 = y0 * x0 + a[k], y1 * x1 + a[k], y2 * x2 + a[k], y3 * x3 + a[k]
+            y4, y5, y6, y7 = y4 * x4 + a[k], y5 * x5 + a[k], y6 * x6 + a[k], y7 * x7 + a[k]
+        out[i], out[i + _1], out[i + _2], out[i + _3] = y0, y1, y2, y3
+        out[i + _4], out[i + _5], out[i + _6], out[i + _7] = y4, y5, y6, y7
+
+
+@compiled
 def changes(a: Array, n: int) -> int:
     """Return the number of sign changes, zeros left out (Descartes)."""
     count, last = 0, 0.0
@@ -103,6 +120,24 @@ def closed_in(a: Array, n: int, low: float, high: float, x: float) -> float:
 
 
 @compiled
+def only_root(w: int, a: Array, n: int, low: float, high: float) -> float:
+    """Return the root between low and high where there is one: first between which grid points."""
+    values, falling, place = work.lines(w).grid[0], a[0] > 0.0, 0
+    on_grid(a, n, values)
+    for i in range(len(GRID)):
+        place += int((values[i] > 0.0) == falling)
+    if place:
+        low = max(low, GRID[place - 1])
+    if place < len(GRID):
+        high = min(high, GRID[place])
+    x = sqrt(low) * sqrt(high)
+    if 0 < place < len(GRID):
+        share = values[place - 1] / (values[place - 1] - values[place])
+        x = GRID[place - 1] + share * (GRID[place] - GRID[place - 1])
+    return closed_in(a, n, low, high, min(max(x, low), high))
+
+
+@compiled
 def bounds(a: Array, n: int) -> tuple[float, float]:
     """Return two numbers between which every positive root is; a[0] and a[n] are not 0 (Cauchy)."""
     most = 0.0
@@ -115,41 +150,39 @@ def bounds(a: Array, n: int) -> tuple[float, float]:
 
 
 @shared
-def positive_roots(a: Array, n: int, roots: Array, work: Array) -> tuple[int, bool]:
-    """Write the roots > 0 where a changes its sign, ascending; return (how many, any doubt).
-
-    work  from ``work()``: the derivatives, then the edges between which roots are
-    """
+def positive_roots(w: int, a: Array, n: int) -> tuple[int, bool]:
+    """Write the roots > 0 where a changes its sign, ascending; return (how many, any doubt)."""
     count = changes(a, n)
     if count == 0:
         return 0, False
     while a[n] == 0.0:
         n -= 1
+    lines = work.lines(w)
+    derivatives, roots, edges, inner = lines.work, lines.roots, lines.edges, 0
     first = 0
     while a[first] == 0.0:
         first += 1
-    top = work[0]
+    top = derivatives[0]
     for k in range(first, n + 1):
         top[k - first] = a[k]
     n -= first
     low, high = bounds(top, n)
     if count == 1:
-        roots[0] = closed_in(top, n, low, high, min(max(1.0, low), high))
+        roots[0] = only_root(w, top, n, low, high)
         return 1, False
     for level in range(1, n - 1):
         size = 0.0
         for k in range(n - level + 1):
-            work[level, k] = work[level - 1, k + 1] * (k + 1)
-            size = max(size, abs(work[level, k]))
+            derivatives[level, k] = derivatives[level - 1, k + 1] * (k + 1)
+            size = max(size, abs(derivatives[level, k]))
         for k in range(n - level + 1):
-            work[level, k] /= size
-    found = of_quadratic(work[max(n - 2, 0)], roots, low, high)
+            derivatives[level, k] /= size
+    found = of_quadratic(derivatives[max(n - 2, 0)], roots, low, high)
     if n == 2:
         c = top[1] * top[1] - 4.0 * top[0] * top[2]
         return found, abs(c) <= 4.0 * DOUBLE * top[1] * top[1]
-    edges, inner = work[MOST - 1], 0
     for level in range(n - 3, -1, -1):
-        degree, poly = n - level, work[level]
+        degree, poly = n - level, derivatives[level]
         inner = found
         for k in range(found):
             edges[k] = roots[k]
@@ -215,8 +248,3 @@ def without(a: Array, n: int, q: float, out: Array) -> None:
     for k in range(largest):
         carry = (carry - a[k]) / q
         out[k] = carry
-
-
-def work() -> Array:
-    """Return a work array for ``positive_roots``."""
-    return np.zeros((MOST + 3, MOST))

@@ -16,8 +16,8 @@ from zoh.batch.arrays.run import Batch, batch, covers
 from zoh.batch.backend import CORES
 from zoh.batch.chunks import in_chunks
 from zoh.batch.columns import Columns, Results, empty, length
-from zoh.batch.compiled import kernel, laws, margins, steps
-from zoh.batch.compiled.kernel import GAINS, GIVEN, Work
+from zoh.batch.compiled import kernel, laws, layout, margins, steps, work
+from zoh.batch.compiled.kernel import GAINS, GIVEN
 from zoh.batch.figures import gain_names
 from zoh.batch.job import Job
 from zoh.batch.reason import Reason
@@ -58,12 +58,12 @@ def run(job: Job, columns: Columns, threads: int | None = None) -> Results:
         return in_chunks(job, columns, CHUNK, partial(_some, pool, works))
 
 
-def _work(job: Job) -> Work:
+def _work(job: Job) -> Array:
     """Return the arrays of one core, a given controller written into them."""
-    work = kernel.made()
+    floats = layout.stretch(work.LENGTH)
     if job.controller is None:
-        return work
-    given, law = job.controller, work.law
+        return floats
+    given, law = job.controller, work.LAW.of(floats)
     a, c, direct = realised(given)
     powers = (2 / given.dt) ** np.arange(float(len(given.den_w)))
     law.num[: len(powers)] = np.array(given.num_w[::-1]) * powers
@@ -73,11 +73,11 @@ def _work(job: Job) -> Work:
         law.moves[i, i - 1] += 1.0 if i else 0.0
     law.enters[0] = 1.0 if a else 0.0
     law.numbers[0], law.numbers[1] = direct, 1.0
-    return work
+    return floats
 
 
 def _some(
-    pool: ThreadPoolExecutor, works: list[Work], job: Job, columns: Columns, n: int
+    pool: ThreadPoolExecutor, works: list[Array], job: Job, columns: Columns, n: int
 ) -> tuple[Results, Mask]:
     """Return (the results of a chunk, which loops are left to the single design)."""
     wanted = batch(job, columns, n)
@@ -90,9 +90,9 @@ def _some(
 
     def go(place: int) -> None:
         kernel.stretch(
-            works[place], laws.CODES[job.law], len(wanted.den) - 1, job.reference, wanted.num,
-            wanted.den, wanted.dt, wanted.delay, wanted.lead, *asked, ends[place], ends[place + 1],
-            gains, margin, step, reason, left,
+            works[place].ctypes.data, laws.CODES[job.law], len(wanted.den) - 1, job.reference,
+            wanted.num, wanted.den, wanted.dt, wanted.delay, wanted.lead, *asked, ends[place],
+            ends[place + 1], gains, margin, step, reason, left,
         )  # fmt: skip
 
     list(pool.map(go, range(len(works))))
@@ -120,7 +120,7 @@ def _results(
     for places, values in ((_MARGINS, margin), (_STEPS, step)):
         for name, place in places.items():
             if name in out:
-                out[name][has] = values[has, place]
+                np.copyto(out[name], values[:, place], where=has)
     out["stable"][:], out["reason"][:] = has, reason
     return out
 

@@ -1,12 +1,13 @@
 """A block of samples, every one looked at."""
 
+from math import inf
+
 from zoh.batch.arrays.rows import Array
-from zoh.batch.compiled.between import Pieces, estimate
+from zoh.batch.compiled import work
+from zoh.batch.compiled.between import estimate
 from zoh.batch.compiled.jit import compiled
-from zoh.batch.compiled.motion import Motion
 from zoh.batch.compiled.track import (
     AT_CREST,
-    BLOCK,
     CREST,
     FALL,
     K1,
@@ -16,11 +17,9 @@ from zoh.batch.compiled.track import (
     K_CREST,
     K_OUT,
     K_TOP,
-    LANES,
     LEAST_U,
     MOST_U,
     NEXT,
-    PAST,
     PIECE,
     RISE,
     TOP,
@@ -30,6 +29,7 @@ from zoh.batch.compiled.track import (
     product,
     take,
 )
+from zoh.batch.compiled.work import BLOCK, LANES, PAST, Pieces
 from zoh.batch.tolerances import BAND
 
 _END = PAST + BLOCK
@@ -53,9 +53,7 @@ def note(y: Array, u: Array, seen: Array, full: float, k: float) -> None:
     if higher:
         rises(y, seen, full, k)
     if more:
-        for i in range(PAST, _END):
-            most, least = max(most, u[i]), min(least, u[i])
-        seen[MOST_U], seen[LEAST_U] = most, least
+        seen[MOST_U], seen[LEAST_U] = max(most, highest(u, 1.0)), min(least, -highest(u, -1.0))
     if out:
         i = _END - 1
         while not abs(y[i] - full) > BAND * full:
@@ -67,33 +65,51 @@ def note(y: Array, u: Array, seen: Array, full: float, k: float) -> None:
 @compiled
 def rises(y: Array, seen: Array, full: float, k: float) -> None:
     """Note where the response first reaches 10 %, 90 % and its highest sample."""
-    top, place = seen[TOP], -1
-    for i in range(PAST, _END):
-        if y[i] > top:
-            if top < 0.9 * full:
-                if top < 0.1 * full <= y[i]:
-                    seen[K_10] = k + (i - PAST)
-                if y[i] >= 0.9 * full:
-                    seen[K_90] = k + (i - PAST)
-            top, place = y[i], i
-    seen[TOP], seen[K_TOP] = top, k + (place - PAST)
+    before, top = seen[TOP], highest(y, 1.0)
+    if before < 0.1 * full <= top:
+        seen[K_10] = k + first(y, 0.1 * full)
+    if before < 0.9 * full <= top:
+        seen[K_90] = k + first(y, 0.9 * full)
+    seen[TOP], seen[K_TOP] = top, k + first(y, top)
 
 
 @compiled
-def every_sample(
-    m: Motion, pieces: Pieces, count: int, n: int, block: Array, zs: Array, seen: Array,
-    sign: float, full: float, k: float, size: int,
-) -> None:  # fmt: skip
+def highest(row: Array, factor: float) -> float:
+    """Return the highest that factor row is in a block."""
+    a = b = c = d = -inf
+    for i in range(PAST, _END, 4):
+        a, b = max(a, factor * row[i]), max(b, factor * row[i + 1])
+        c, d = max(c, factor * row[i + 2]), max(d, factor * row[i + 3])
+    return max(max(a, b), max(c, d))
+
+
+@compiled
+def first(row: Array, height: float) -> int:
+    """Return the first sample of a block at which a row is as high."""
+    place = _END
+    for i in range(PAST, _END):
+        place = min(place, i if row[i] >= height else _END)
+    return place - PAST
+
+
+@compiled
+def every_sample(w: int, count: int, n: int, sign: float, full: float, k: float, size: int) -> None:
     """Look at a block of samples, one by one."""
-    shown(m.output, sign, block, Y, size)
-    shown(m.effort, 1.0, block, U, size)
+    pieces, t = work.pieces(w), work.track(w)
+    block, zs, seen = t.block, t.states, t.seen
+    if size == 4:  # of the usual sizes the compiler knows every place beforehand
+        signals(w, sign, 4)
+    elif size == 5:
+        signals(w, sign, 5)
+    else:
+        signals(w, sign, size)
     note(block[Y], block[U], seen, full, k)
     if n == 0:
         return
-    is_state = count == 1 and pieces.input_slope[0] == 0.0  # the slope at a piece's end is then
+    is_state = count == 1 and work.plant(w).markov[0] == 0.0  # the slope at a piece's end is then
     for piece in range(count):  # that at the next one's start
-        end = _END + LANES if is_state else _END
-        product(pieces.slope0[piece], sign, block, PAST, end, size, block[RISE])
+        if piece:
+            shown(pieces.slope0[piece], sign, block, RISE, size)
         if is_state:
             for i in range(PAST, _END):
                 block[FALL, i] = block[RISE, i + 1]
@@ -102,6 +118,15 @@ def every_sample(
         crests(pieces, piece, block, zs, seen, sign, k, size)
         if piece + 1 < count:
             corners(pieces, piece, block, zs, seen, sign, k, size)
+
+
+@compiled
+def signals(w: int, sign: float, size: int) -> None:
+    """Write what a block shows: output, effort, and slope, that of the next block, too."""
+    m, block = work.motion(w), work.track(w).block
+    shown(m.output, sign, block, Y, size)
+    shown(m.effort, 1.0, block, U, size)
+    product(work.pieces(w).slope0[0], sign, block, PAST, _END + LANES, size, block[RISE])
 
 
 @compiled

@@ -6,17 +6,14 @@ What a long stride meets is closed in on at once, from the sample before.
 from math import ceil, inf, nan, sqrt
 
 from zoh.batch.arrays.rows import Array
-from zoh.batch.compiled.between import Pieces, crest
+from zoh.batch.compiled import work
+from zoh.batch.compiled.between import crest
 from zoh.batch.compiled.jit import compiled, shared
-from zoh.batch.compiled.motion import Motion
-from zoh.batch.compiled.plant import Plant
 from zoh.batch.compiled.samples import every_sample
 from zoh.batch.compiled.strides import long_stride
 from zoh.batch.compiled.track import (
     AT_CREST,
-    BLOCK,
     CREST,
-    DOUBLINGS,
     FOUND,
     HIGHEST,
     K_10,
@@ -24,25 +21,24 @@ from zoh.batch.compiled.track import (
     K_CREST,
     K_OUT,
     K_TOP,
-    LANES,
     LEAST_U,
     MOST_U,
     NEXT,
     OTHER,
-    PAST,
     PIECE,
     THERE,
     TOP,
     WHEN,
-    WIDE,
     ahead,
     along,
+    first_four,
     go_on,
     product,
     start,
     take,
     twice,
 )
+from zoh.batch.compiled.work import BLOCK, DOUBLINGS, LANES, PAST, WIDE
 from zoh.batch.tolerances import BAND, LEVELS, LOST, MOST, NEAR, NOTHING, QUIET, TURN
 
 # places of the figures
@@ -51,36 +47,41 @@ from zoh.batch.tolerances import BAND, LEVELS, LOST, MOST, NEAR, NOTHING, QUIET,
 ) = range(9)  # fmt: skip
 FIGURES = 9
 
+_CLOSE = 4.0 * BLOCK  # samples looked at one by one at least: what is met there costs the least
+
 
 @compiled
 def step_metrics(
-    m: Motion, p: Plant, pieces: Pieces, count: int, n: int, order: int, size: int, slowest: float,
-    dt: float, reference: float, ladder: Array, block: Array, zs: Array, seen: Array, out: Array,
+    w: int, count: int, n: int, order: int, size: int, slowest: float, dt: float,
+    reference: float, out: Array,
 ) -> bool:  # fmt: skip
     """Write the metrics; return whether the loop had better be measured by itself."""
+    m = work.motion(w)
     final, at_rest = m.numbers[0], m.numbers[1]
     sign = -1.0 if final < 0.0 else 1.0
     full = abs(final)
     if not 0.0 < full < inf:
         return True
-    begin(m, ladder, block, seen, size)
+    begin(w, size)
     slowest = max(slowest, 1e-14)
     end = max(8.0, ceil(QUIET / slowest) + 4.0 * size)
     k, level, done, lost = 0.0, 0, False, True
     while level < LEVELS:
-        twice(ladder, level + DOUBLINGS - 1, size)
+        twice(w, level + DOUBLINGS - 1, size)
+        first_four(w, level, size)
         for _ in range(MOST // BLOCK):
-            ahead(ladder, level, block, size)
+            ahead(w, level, size)
             if level == 0:
-                every_sample(m, pieces, count, n, block, zs, seen, sign, full, k, size)
-            elif long_stride(
-                m, p, pieces, count, n, ladder, level, block, zs, seen, sign, full, k, size
-            ):
+                every_sample(w, count, n, sign, full, k, size)
+            elif long_stride(w, count, n, level, sign, full, k, size):
                 return True
             k += BLOCK * 2.0**level
-            go_on(block, size)
-            done, turning = look(m, ladder[0], block, zs, seen, sign, full, at_rest, order, size)
-            if done or k > end or turning * 2.0 * 2.0**level <= TURN:
+            go_on(work.track(w).block, size)
+            if k < _CLOSE and outside(w, sign, full, size):
+                continue
+            done, turning = look(w, sign, full, at_rest, order, size)
+            slow = turning * 2.0 * 2.0**level <= TURN and k >= _CLOSE
+            if done or k > end or slow:
                 lost = False
                 break
         if lost or done or k > end:
@@ -88,31 +89,52 @@ def step_metrics(
         level, lost = level + 1, True
     if lost:
         return True
-    unknown = closing(p, pieces, count, n, zs, seen, sign, size)
-    figures(seen, full, final, at_rest, sign, dt, reference, out)
+    unknown = closing(w, n, sign, size)
+    figures(work.track(w).seen, full, final, at_rest, sign, dt, reference, out)
     return unknown
 
 
 @compiled
-def begin(m: Motion, ladder: Array, block: Array, seen: Array, size: int) -> None:
-    """Write Z before the step, and how it moves by 1, 2, 4, ... samples."""
-    start(seen)
+def begin(w: int, size: int) -> None:
+    """Write Z before the step, and how it moves by 2, 4, ... samples."""
+    t = work.track(w)
+    start(t.seen)
     for j in range(size):
-        block[j, PAST] = 1.0 if j == size - 1 else 0.0
-        for i in range(WIDE):
-            ladder[0, j, i] = m.delta[i, j] if i < size else 0.0
+        t.block[j, PAST] = 1.0 if j == size - 1 else 0.0
     for level in range(DOUBLINGS - 1):
-        twice(ladder, level, size)
+        twice(w, level, size)
+
+
+@compiled
+def outside(w: int, sign: float, full: float, size: int) -> bool:
+    """Return whether the next sample is where no look can end well: the modes add up to as much."""
+    block, y = work.track(w).block, 0.0
+    for j in range(size):
+        y += work.motion(w).output[j] * block[j, PAST]
+    return abs(sign * y - full) >= NEAR * BAND * full
 
 
 @shared
 def look(
-    m: Motion, s: Array, block: Array, zs: Array, seen: Array, sign: float, full: float,
-    at_rest: float, order: int, size: int,
-) -> tuple[bool, float]:  # fmt: skip
+    w: int, sign: float, full: float, at_rest: float, order: int, size: int
+) -> tuple[bool, float]:
     """Return (whether nothing new can be seen, how fast what is left still turns)."""
+    if order == 3 and size == 4:  # of the usual sizes the compiler knows every place beforehand
+        return left(w, sign, full, at_rest, 3, 4)
+    if order == 4 and size == 5:
+        return left(w, sign, full, at_rest, 4, 5)
+    return left(w, sign, full, at_rest, order, size)
+
+
+@compiled
+def left(
+    w: int, sign: float, full: float, at_rest: float, order: int, size: int
+) -> tuple[bool, float]:
+    """Return what ``look`` does, from what is left of every mode."""
+    m, t = work.motion(w), work.track(w)
+    s, zs, seen = t.ladder[0], t.states, t.seen
     a, b, dy, du = zs[FOUND], zs[THERE], zs[NEXT], zs[OTHER]
-    take(block, PAST, size, a)
+    take(t.block, PAST, size, a)
     wide = LANES if size <= LANES else WIDE
     for i in range(order):
         dy[i] = sign * along(m.output, a, size) - (0.0 if i else full)
@@ -147,18 +169,17 @@ def look(
 
 
 @compiled
-def closing(
-    p: Plant, pieces: Pieces, count: int, n: int, zs: Array, seen: Array, sign: float, size: int
-) -> bool:
+def closing(w: int, n: int, sign: float, size: int) -> bool:
     """Close the account between samples; return whether a crest is not known."""
+    zs, seen = work.track(w).states, work.track(w).seen
     unknown = False
     if seen[PIECE] >= 0.0:
         piece = int(seen[PIECE])
         if seen[PIECE] == piece:
-            height, after, known = crest(p, pieces, piece, n, zs[AT_CREST], sign, size)
+            height, after, known = crest(w, piece, n, zs[AT_CREST], sign, size)
             unknown = not known
         else:
-            height, after = seen[CREST], pieces.ends[piece + 1]
+            height, after = seen[CREST], work.pieces(w).ends[piece + 1]
         if height > seen[HIGHEST]:
             seen[HIGHEST], seen[WHEN] = height, seen[K_CREST] + after
     if seen[TOP] >= seen[HIGHEST]:

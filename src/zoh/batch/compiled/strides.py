@@ -1,13 +1,10 @@
 """A block at a stride of many samples; what it meets is closed in on at once by halving."""
 
-from zoh.batch.arrays.rows import Array
-from zoh.batch.compiled.between import Pieces, crest
+from zoh.batch.compiled import work
+from zoh.batch.compiled.between import crest
 from zoh.batch.compiled.jit import shared
-from zoh.batch.compiled.motion import Motion
-from zoh.batch.compiled.plant import Plant
 from zoh.batch.compiled.samples import shown
 from zoh.batch.compiled.track import (
-    BLOCK,
     FOUND,
     HIGHEST,
     K1,
@@ -18,7 +15,6 @@ from zoh.batch.compiled.track import (
     K_TOP,
     LEAST_U,
     MOST_U,
-    PAST,
     THERE,
     TOP,
     WHEN,
@@ -29,15 +25,17 @@ from zoh.batch.compiled.track import (
     move,
     take,
 )
+from zoh.batch.compiled.work import BLOCK, PAST
 from zoh.batch.tolerances import BAND, BELOW, CREST
 
 
 @shared
 def long_stride(
-    m: Motion, p: Plant, pieces: Pieces, count: int, n: int, ladder: Array, level: int,
-    block: Array, zs: Array, seen: Array, sign: float, full: float, k: float, size: int,
-) -> bool:  # fmt: skip
+    w: int, count: int, n: int, level: int, sign: float, full: float, k: float, size: int
+) -> bool:
     """Look at a block at a stride of 2^level; return whether a crest between is not known."""
+    m, t = work.motion(w), work.track(w)
+    block, zs, seen = t.block, t.states, t.seen
     shown(m.output, sign, block, Y, size)
     shown(m.effort, 1.0, block, U, size)
     ys, us = block[Y], block[U]
@@ -47,34 +45,31 @@ def long_stride(
         here = k + (i - PAST) * stride
         y, y1, y2 = ys[i], ys[i - 1], ys[i - 2]
         u, u1, u2 = us[i], us[i - 1], us[i - 2]
-        for part, place in ((0.1, K_10), (0.9, K_90)):
-            if seen[TOP] < part * full <= y:
-                take(block, i - 1, size, zs[FOUND])
-                seen[place] = 1.0 + last(m.output, -sign, -part * full, ladder, level, zs, before,
-                                         here, size)  # fmt: skip
+        if seen[TOP] < 0.1 * full <= y:
+            seen[K_10] = reached(w, i, 0.1 * full, level, sign, before, here, size)
+        if seen[TOP] < 0.9 * full <= y:
+            seen[K_90] = reached(w, i, 0.9 * full, level, sign, before, here, size)
         side = 1.0 if y1 > full else -1.0
         off1, off2 = side * (y1 - full), side * (y2 - full)
         if off1 > BAND * full >= abs(y - full):
             take(block, i - 1, size, zs[FOUND])
-            seen[K_OUT] = last(m.output, side * sign, (BAND + side) * full, ladder, level, zs,
-                               before, here, size)  # fmt: skip
+            seen[K_OUT] = last(w, m.output, side * sign, (BAND + side) * full, level, before, here,
+                               size)  # fmt: skip
         if y1 >= y2 and y1 > y and y1 > seen[TOP] - BELOW * full:
             take(block, i - 2, size, zs[FOUND])
-            lost = crest_of_y(
-                m, p, pieces, count, n, ladder, level, zs, seen, sign, start, here, size
-            )
+            lost = crest_of_y(w, count, n, level, sign, start, here, size)
             unknown = unknown or lost
         if off1 >= off2 and off1 > side * (y - full) and off1 > CREST * BAND * full:
             take(block, i - 2, size, zs[FOUND])
-            crest_of_band(m, ladder, level, zs, seen, sign, full, side, start, here, size)
+            crest_of_band(w, level, sign, full, side, start, here, size)
         near = BELOW * abs(u1)
         if u1 >= u2 and u1 > u and u1 > seen[MOST_U] - near:
             take(block, i - 2, size, zs[FOUND])
-            most = crest_of_u(m, ladder, level, zs, 1.0, start, here, size)
+            most = crest_of_u(w, level, 1.0, start, here, size)
             seen[MOST_U] = max(seen[MOST_U], most)
         elif u1 <= u2 and u1 < u and u1 < seen[LEAST_U] + near:
             take(block, i - 2, size, zs[FOUND])
-            least = crest_of_u(m, ladder, level, zs, -1.0, start, here, size)
+            least = crest_of_u(w, level, -1.0, start, here, size)
             seen[LEAST_U] = min(seen[LEAST_U], least)
         if y > seen[TOP]:
             seen[TOP], seen[K_TOP] = y, here
@@ -87,26 +82,36 @@ def long_stride(
 
 
 @shared
-def crest_of_u(
-    m: Motion, ladder: Array, level: int, zs: Array, way: float, k: float, end: float, size: int
+def reached(
+    w: int, i: int, height: float, level: int, sign: float, before: float, here: float, size: int
 ) -> float:
+    """Return the sample at which y first is as high, between the one before column i and it."""
+    t = work.track(w)
+    take(t.block, i - 1, size, t.states[FOUND])
+    return 1.0 + last(w, work.motion(w).output, -sign, -height, level, before, here, size)
+
+
+@shared
+def crest_of_u(w: int, level: int, way: float, k: float, end: float, size: int) -> float:
     """Return the effort at a crest or in a valley after FOUND."""
-    last(m.effort_moves, way, 0.0, ladder, level + 1, zs, k, end, size)
-    move(ladder[0], zs[FOUND], size, zs[THERE])
+    m, zs = work.motion(w), work.track(w).states
+    last(w, m.effort_moves, way, 0.0, level + 1, k, end, size)
+    move(work.track(w).ladder[0], zs[FOUND], size, zs[THERE])
     return along(m.effort, zs[THERE], size)
 
 
 @shared
 def crest_of_y(
-    m: Motion, p: Plant, pieces: Pieces, count: int, n: int, ladder: Array, level: int, zs: Array,
-    seen: Array, sign: float, k: float, end: float, size: int,
-) -> bool:  # fmt: skip
+    w: int, count: int, n: int, level: int, sign: float, k: float, end: float, size: int
+) -> bool:
     """Close in on a crest, also between the samples; return whether that is not known."""
-    k = last(m.output_moves, sign, 0.0, ladder, level + 1, zs, k, end, size)
+    m, pieces, t = work.motion(w), work.pieces(w), work.track(w)
+    zs, seen = t.states, t.seen
+    k = last(w, m.output_moves, sign, 0.0, level + 1, k, end, size)
     unknown = False
     for shift in range(2):
         for piece in range(count):
-            height, after, known = crest(p, pieces, piece, n, zs[FOUND], sign, size)
+            height, after, known = crest(w, piece, n, zs[FOUND], sign, size)
             unknown = unknown or not known
             if piece + 1 < count:
                 corner = sign * along(pieces.y1[piece], zs[FOUND], size)
@@ -115,7 +120,7 @@ def crest_of_y(
             if height > seen[HIGHEST]:
                 seen[HIGHEST], seen[WHEN] = height, k + shift + after
         if shift == 0:
-            move(ladder[0], zs[FOUND], size, zs[THERE])
+            move(t.ladder[0], zs[FOUND], size, zs[THERE])
             y = sign * along(m.output, zs[THERE], size)
             if y > seen[TOP]:
                 seen[TOP], seen[K_TOP] = y, k + 1.0
@@ -126,14 +131,15 @@ def crest_of_y(
 
 @shared
 def crest_of_band(
-    m: Motion, ladder: Array, level: int, zs: Array, seen: Array, sign: float, full: float,
-    side: float, k: float, end: float, size: int,
-) -> None:  # fmt: skip
+    w: int, level: int, sign: float, full: float, side: float, k: float, end: float, size: int
+) -> None:
     """Note where the band is left for less than a stride."""
-    k = last(m.output_moves, side * sign, 0.0, ladder, level + 1, zs, k, end, size)
-    move(ladder[0], zs[FOUND], size, zs[THERE])
+    m, t = work.motion(w), work.track(w)
+    zs, seen = t.states, t.seen
+    k = last(w, m.output_moves, side * sign, 0.0, level + 1, k, end, size)
+    move(t.ladder[0], zs[FOUND], size, zs[THERE])
     if side * (sign * along(m.output, zs[THERE], size) - full) > BAND * full:
         for j in range(size):
             zs[FOUND, j] = zs[THERE, j]
         row, most = m.output, (BAND + side) * full
-        seen[K_OUT] = last(row, side * sign, most, ladder, level + 1, zs, k + 1.0, end, size)
+        seen[K_OUT] = last(w, row, side * sign, most, level + 1, k + 1.0, end, size)

@@ -9,40 +9,20 @@ from math import inf
 import numpy as np
 
 from zoh.batch.arrays.rows import Array
+from zoh.batch.compiled import work
 from zoh.batch.compiled.jit import compiled, shared
-from zoh.batch.tolerances import LEVELS
+from zoh.batch.compiled.work import BLOCK, DOUBLINGS, LANES, PAST, SEEN, WIDE
 
-DOUBLINGS = 5
-BLOCK = 2**DOUBLINGS  # samples between two looks at whether a loop is done
-WIDE, LANES = 16, 8  # numbers of Z, and how many are moved at once; the rest are 0
 _1, _2, _3, _4, _5, _6, _7 = (np.uint64(i) for i in range(1, 8))  # places that are never < 0
-PAST = 2  # columns of a block in front of its first sample: the two before
 
 # places of what is seen
 (
     TOP, K_TOP, MOST_U, LEAST_U, K_10, K_90, K_OUT, HIGHEST, WHEN, CREST, K_CREST, PIECE, K1, K2,
 ) = range(14)  # fmt: skip
-SEEN = 14
 # places of the states that are kept
 NEXT, AT_CREST, FOUND, THERE, OTHER = range(5)
-KEPT = 5
 # rows of a block behind Z: the output, its sign such that it rises; the effort; two slopes
 Y, U, RISE, FALL = WIDE, WIDE + 1, WIDE + 2, WIDE + 3
-
-
-def ladder() -> Array:
-    """Return the array of the doublings of delta, by columns: [level, j, i] is s_ij."""
-    return np.zeros((LEVELS + DOUBLINGS + 1, WIDE, WIDE))
-
-
-def states() -> Array:
-    """Return the array of the states that are kept."""
-    return np.zeros((KEPT, WIDE))
-
-
-def block() -> Array:
-    """Return the array of a block: Z by columns, then the rows of what is seen."""
-    return np.zeros((WIDE + 4, PAST + BLOCK + LANES))
 
 
 @compiled
@@ -85,27 +65,56 @@ def move(s: Array, z: Array, size: int, out: Array) -> None:
 
 
 @shared
-def twice(ladder: Array, level: int, size: int) -> None:
+def twice(w: int, level: int, size: int) -> None:
     """Write the level after this one: 2 s + s s, by columns."""
-    s, out = ladder[level], ladder[level + 1]
+    t = work.track(w)
+    if size == 4:  # of the usual sizes the compiler knows every place beforehand
+        doubled(t.ladder[level], t.ladder[level + 1], 4)
+    elif size == 5:
+        doubled(t.ladder[level], t.ladder[level + 1], 5)
+    else:
+        doubled(t.ladder[level], t.ladder[level + 1], size)
+
+
+@compiled
+def doubled(s: Array, out: Array, size: int) -> None:
+    """Write 2 s + s s, by columns."""
     for k in range(size):
         product(s[k], 1.0, s, 0, LANES if size <= LANES else WIDE, size, out[k])
         for i in range(size):
             out[k, i] += 2.0 * s[k, i]
 
 
+@compiled
+def first_four(w: int, level: int, size: int) -> None:
+    """Write Z at a block's first four samples, 2^level apart, from the first one."""
+    t = work.track(w)
+    single(t.ladder[level], t.block, PAST, 1, size)
+    single(t.ladder[level + 1], t.block, PAST, 2, size)
+    single(t.ladder[level + 1], t.block, PAST + 1, 2, size)
+
+
 @shared
-def ahead(ladder: Array, level: int, block: Array, size: int) -> None:
-    """Write Z at a block's samples, and the one after it, from its first; 2^level apart."""
-    single(ladder[level], block, PAST, 1, size)
-    single(ladder[level + 1], block, PAST, 2, size)
-    single(ladder[level + 1], block, PAST + 1, 2, size)
-    four(ladder[level + 2], block, PAST, 4, size)
-    four(ladder[level + 3], block, PAST, 8, size)
-    four(ladder[level + 3], block, PAST + 4, 8, size)
-    for first in range(PAST, PAST + 16, 4):
-        four(ladder[level + 4], block, first, 16, size)
-    single(ladder[level + 5], block, PAST, BLOCK, size)
+def ahead(w: int, level: int, size: int) -> None:
+    """Write Z at a block's samples, and the four after it, from its first four."""
+    if size == 4:
+        filled(w, level, 4)
+    elif size == 5:
+        filled(w, level, 5)
+    else:
+        filled(w, level, size)
+
+
+@compiled
+def filled(w: int, level: int, size: int) -> None:
+    """Write Z at what follows the first four samples: at the next four, then at eight at a time."""
+    t = work.track(w)
+    s, block = t.ladder[level + DOUBLINGS], t.block
+    four(t.ladder[level + DOUBLINGS - 1], block, PAST, 4, size)
+    for first in range(PAST, PAST + BLOCK - LANES, LANES):
+        four(s, block, first, LANES, size)
+        four(s, block, first + 4, LANES, size)
+    four(s, block, PAST + BLOCK - LANES, LANES, size)
 
 
 @compiled
@@ -135,9 +144,9 @@ def four(s: Array, block: Array, first: int, length: int, size: int) -> None:
 
 @compiled
 def go_on(block: Array, size: int) -> None:
-    """Make what follows a block its first sample, its last two the past."""
+    """Make what follows a block its first four samples, its last ones the past."""
     for j in range(size):
-        for i in range(PAST + 1):
+        for i in range(PAST + 4):
             block[j, i] = block[j, BLOCK + i]
     for i in range(PAST):
         block[Y, i], block[U, i] = block[Y, BLOCK + i], block[U, BLOCK + i]
@@ -152,14 +161,14 @@ def take(block: Array, column: int, size: int, out: Array) -> None:
 
 @shared
 def last(
-    row: Array, factor: float, above: float, ladder: Array, level: int, zs: Array, k: float,
-    end: float, size: int,
-) -> float:  # fmt: skip
+    w: int, row: Array, factor: float, above: float, level: int, k: float, end: float, size: int
+) -> float:
     """Return the last sample before ``end`` up to which factor row z > above, from z in FOUND.
 
     z there is left in FOUND.
     """
-    found, there = zs[FOUND], zs[THERE]
+    t = work.track(w)
+    ladder, found, there = t.ladder, t.states[FOUND], t.states[THERE]
     for step in range(level, -1, -1):
         length = 2.0**step
         if k + length < end:

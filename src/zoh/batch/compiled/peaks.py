@@ -1,0 +1,138 @@
+"""Where a quotient of two polynomials is least, of one loop; see ``zoh.batch.arrays.peaks``."""
+
+from math import inf, sqrt
+
+from zoh.batch.arrays.rows import Array
+from zoh.batch.compiled import work
+from zoh.batch.compiled.jit import compiled, shared
+from zoh.batch.compiled.polynomials import (
+    GRID,
+    at,
+    changes,
+    on_grid,
+    positive_roots,
+    with_slope,
+    without,
+)
+
+_LAST = 1e-8  # relative: the error after a Newton's step as small as this is its square
+_STEPS = 100
+
+
+@shared
+def lowest(w: int, a: Array, b: Array, n: int) -> tuple[float, bool]:
+    """Return (v where a/b is least over q = v^2, whether in doubt); a on the grid is known."""
+    rest = work.lines(w).rest
+    best = about(w, b, n)
+    q, inside = flat(a, b, n, GRID[best - 1], GRID[best + 1], GRID[best])
+    value = at(a, n, q) / at(b, n, q)
+    v = sqrt(q)
+    end = a[0] / b[0]
+    if end <= value * (1.0 + 1e-14):
+        v, value = 0.0, end
+    end = a[n] / b[n]
+    if end <= value * (1.0 + 1e-14):
+        v, value = inf, end
+    if inside or v == 0.0 or v == inf:
+        for k in range(n + 1):
+            rest[k] = a[k] - value * b[k]
+        degree = n
+        if v == 0.0:
+            rest[0] = 0.0
+        elif v == inf:
+            rest[n] = 0.0
+        else:
+            without(rest, n, q, rest)
+            without(rest, n - 1, q, rest)
+            degree = n - 2
+        count = changes(rest, degree)
+        if count == 0:
+            return v, False
+        if count % 2 == 0:
+            found, doubt = positive_roots(w, rest, degree)
+            if found == 0 and not doubt:
+                return v, False
+    return by_slopes(w, a, b, n)
+
+
+@compiled
+def about(w: int, b: Array, n: int) -> int:
+    """Return the inner place of the grid where a/b is least, a on the grid being known."""
+    grid = work.lines(w).grid
+    over, under = grid[1], grid[0]
+    on_grid(b, n, under)
+    for j in range(len(GRID)):
+        under[j] = over[j] / under[j]
+    best, least = 0, inf
+    for j in range(len(GRID)):
+        best, least = (j, under[j]) if under[j] < least else (best, least)
+    return min(max(best, 1), len(GRID) - 2)
+
+
+@shared
+def flat(a: Array, b: Array, n: int, low: float, high: float, q: float) -> tuple[float, bool]:
+    """Return (where the slope of a/b becomes positive in (low, high), whether it does)."""
+    falls, rises, last = False, False, inf
+    for _ in range(_STEPS):
+        fa, sa, ca = a[n], 0.0, 0.0
+        fb, sb, cb = b[n], 0.0, 0.0
+        for k in range(n - 1, -1, -1):
+            ca = ca * q + sa
+            sa = sa * q + fa
+            fa = fa * q + a[k]
+            cb = cb * q + sb
+            sb = sb * q + fb
+            fb = fb * q + b[k]
+        slope = sa * fb - fa * sb
+        if slope < 0.0:
+            low, falls = q, True
+        else:
+            high, rises = q, True
+        new = q - slope / (2.0 * (ca * fb - fa * cb))
+        if not (low < new < high) or 2.0 * abs(new - q) > last:
+            new = sqrt(low * high)
+        last, q = abs(new - q), new
+        if last <= _LAST * q or high <= low * (1.0 + 1e-14):
+            break
+    if not falls:
+        falls = slope_at(a, b, n, low) < 0.0
+    if not rises:
+        rises = slope_at(a, b, n, high) >= 0.0
+    return q, falls and rises
+
+
+@compiled
+def slope_at(a: Array, b: Array, n: int, q: float) -> float:
+    """Return the numerator of the slope of a/b."""
+    fa, sa = with_slope(a, n, q)
+    fb, sb = with_slope(b, n, q)
+    return sa * fb - fa * sb
+
+
+@shared
+def by_slopes(w: int, a: Array, b: Array, n: int) -> tuple[float, bool]:
+    """Return (v where a/b is least, whether in doubt), every place where its slope is 0 tried."""
+    rest, roots = work.lines(w).rest, work.lines(w).roots
+    size = 0.0
+    for k in range(2 * n):
+        total = 0.0
+        for i in range(max(0, k + 1 - n), min(n, k + 1) + 1):
+            total += (2 * i - k - 1) * a[i] * b[k + 1 - i]
+        rest[k] = total
+        size = max(size, abs(total))
+    degree = max(2 * n - 1, 0)
+    for k in range(degree + 1):
+        rest[k] /= size
+    while degree > 0 and rest[degree] == 0.0:
+        degree -= 1
+    count, doubt = positive_roots(w, rest, degree)
+    v, least = 0.0, a[0] / b[0]
+    if not least >= 0.0:
+        least = inf
+    for k in range(count):
+        value = at(a, n, roots[k]) / at(b, n, roots[k])
+        if value < least:
+            v, least = sqrt(roots[k]), value
+    if a[n] / b[n] < least:
+        v = inf
+    return v, doubt
