@@ -95,3 +95,25 @@ def test_what_is_out_of_range_is_malformed_and_the_rest_is_not_disturbed():
     names = [Reason(r).name for r in found["reason"]]
     assert names == ["OK", "MALFORMED", "MALFORMED", "BEYOND_NYQUIST"]
     assert found["phase_margin_deg"][0] == pytest.approx(40, abs=1e-9)
+
+
+def test_threads_and_chunks_change_no_bit():
+    pytest.importorskip("numba", reason="the compiled arithmetic needs numba: zoh[fast]")
+    from zoh.batch.compiled import run as compiled
+
+    rng, n = np.random.default_rng(8), 5000
+    columns = {
+        "dt": 10 ** rng.uniform(-3, -0.5, n), "wc": 10 ** rng.uniform(-1, 1, n),
+        "pm_deg": rng.uniform(20, 80, n), "ki": 10 ** rng.uniform(-2, 1, n),
+    }  # fmt: skip
+    plant = zoh.Plant(num=[1], den=[1, 0.8, 0])
+    job = Job(plant=plant, law="pid", dt=0.1, varying=tuple(columns))
+    one = compiled.run(job, columns, threads=1)
+    parts = [{k: v[i : i + 700] for k, v in columns.items()} for i in range(0, n, 700)]
+    alone = [compiled.run(job, part, threads=1) for part in parts]
+    assert len({int(code) for code in one["reason"]}) > 2
+    for threads in (2, 4):
+        both = compiled.run(job, columns, threads=threads)
+        for name, values in one.items():
+            np.testing.assert_array_equal(both[name], values)
+            np.testing.assert_array_equal(np.concatenate([a[name] for a in alone]), values)

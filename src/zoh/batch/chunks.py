@@ -1,6 +1,6 @@
 """A batch a chunk at a time: what a faster arithmetic leaves, the single design does."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 import numpy.typing as npt
@@ -9,17 +9,20 @@ from zoh.batch import single
 from zoh.batch.columns import Columns, Results, empty, length
 from zoh.batch.job import Job
 
+Each = Callable[[Callable[[int], None], range], Iterable[None]]
 Some = Callable[[Job, Columns, int], tuple[Results, npt.NDArray[np.bool_]]]
 
 
-def in_chunks(job: Job, columns: Columns, chunk: int, some: Some) -> Results:
+def in_chunks(job: Job, columns: Columns, chunk: int, some: Some, each: Each = map) -> Results:
     """Return the results of a batch.
 
     some  makes those of a chunk of so many loops, and says which it leaves
+    each  calls a function with every chunk's start, as ``map`` does, or a pool's
     """
     n = length(job, columns)
     out = empty(job, n)
-    for start in range(0, n, chunk):
+
+    def made(start: int) -> None:
         part = slice(start, min(start + chunk, n))
         here = {key: values[part] for key, values in columns.items()}
         found, left = some(job, here, part.stop - part.start)
@@ -30,4 +33,7 @@ def in_chunks(job: Job, columns: Columns, chunk: int, some: Some) -> Results:
             again = single.run(job, {key: values[which] for key, values in here.items()})
             for name, values in again.items():
                 out[name][start + which] = values
+
+    for _ in each(made, range(0, n, chunk)):
+        pass
     return out

@@ -4,7 +4,7 @@ What floats cannot decide is left to the single design, as by ``zoh.batch.arrays
 """
 
 from concurrent.futures import ThreadPoolExecutor
-from functools import partial
+from queue import SimpleQueue
 
 import numpy as np
 import numpy.typing as npt
@@ -22,8 +22,9 @@ from zoh.batch.figures import gain_names
 from zoh.batch.job import Job
 from zoh.batch.reason import Reason
 
-CHUNK = 16384  # loops whose columns are made at once
-_STRETCH = 1024  # loops that a core takes at a time
+CHUNK = 16384  # loops whose columns are made at once, at most
+_FEWEST = 1024  # loops that a core is worth
+_TURNS = 4  # that each core takes at least, for loops are not equally long
 _SPARE = {"pid": "ki", "lag": "dc_gain", "lead": "dc_gain"}
 _MARGINS = {
     "gain_margin": margins.GM, "phase_crossover": margins.PHASE_CROSSOVER,
@@ -51,11 +52,25 @@ def run(job: Job, columns: Columns, threads: int | None = None) -> Results:
     >>> [Reason(code).name for code in found["reason"]]
     ['OK', 'INFEASIBLE', 'BEYOND_NYQUIST']
     """
-    cores = threads or CORES.get() or int(vars(config)["NUMBA_NUM_THREADS"])
-    many = max(1, min(cores, -(-length(job, columns) // _STRETCH)))
-    works = [_work(job) for _ in range(many)]
+    cores, n = (
+        threads or CORES.get() or int(vars(config)["NUMBA_NUM_THREADS"]),
+        length(job, columns),
+    )
+    many = max(1, min(cores, -(-n // _FEWEST)))
+    chunk = min(CHUNK, max(_FEWEST, -(-n // (_TURNS * many))))
+    works = SimpleQueue[Array]()
+    for _ in range(many):
+        works.put(_work(job))
+
+    def some(job: Job, columns: Columns, n: int) -> tuple[Results, Mask]:
+        floats = works.get()
+        try:
+            return _some(floats, job, columns, n)
+        finally:
+            works.put(floats)
+
     with ThreadPoolExecutor(many) as pool:
-        return in_chunks(job, columns, CHUNK, partial(_some, pool, works))
+        return in_chunks(job, columns, chunk, some, pool.map)
 
 
 def _work(job: Job) -> Array:
@@ -76,26 +91,18 @@ def _work(job: Job) -> Array:
     return floats
 
 
-def _some(
-    pool: ThreadPoolExecutor, works: list[Array], job: Job, columns: Columns, n: int
-) -> tuple[Results, Mask]:
+def _some(floats: Array, job: Job, columns: Columns, n: int) -> tuple[Results, Mask]:
     """Return (the results of a chunk, which loops are left to the single design)."""
     wanted = batch(job, columns, n)
     gains = np.full((n, GAINS), np.nan)
     margin, step = np.full((n, margins.FIGURES), np.nan), np.full((n, steps.FIGURES), np.nan)
     reason, left = np.full(n, Reason.MALFORMED, np.int8), ~wanted.regular
     reason[wanted.beyond] = Reason.BEYOND_NYQUIST
-    asked = _asked(job, wanted, n)
-    ends = np.linspace(0, n, len(works) + 1).astype(int)
-
-    def go(place: int) -> None:
-        kernel.stretch(
-            works[place].ctypes.data, laws.CODES[job.law], len(wanted.den) - 1, job.reference,
-            wanted.num, wanted.den, wanted.dt, wanted.delay, wanted.lead, *asked, ends[place],
-            ends[place + 1], gains, margin, step, reason, left,
-        )  # fmt: skip
-
-    list(pool.map(go, range(len(works))))
+    kernel.stretch(
+        floats.ctypes.data, laws.CODES[job.law], len(wanted.den) - 1, job.reference,
+        wanted.num, wanted.den, wanted.dt, wanted.delay, wanted.lead, *_asked(job, wanted, n),
+        0, n, gains, margin, step, reason, left,
+    )  # fmt: skip
     return _results(job, gains, margin, step, reason), left & ~wanted.beyond
 
 
