@@ -250,3 +250,11 @@ def test_a_p_of_a_negative_gain_where_that_is_allowed(given):
     # the same loop: -k of -G; the angles of its table are rounded a half turn away
     assert d.gains["kp"] == pytest.approx(-there.gains["kp"], rel=1e-9)
     assert d.margins.phase_margin_deg == pytest.approx(there.margins.phase_margin_deg, abs=1e-9)
+
+
+def test_a_p_on_a_table_that_crosses_over_elsewhere_with_less_is_refused():
+    plant = zoh.Plant.parse("1.8697/(s^4 + 3.4493 s^3 + 144.38 s^2 + 354.75 s)")
+    w, dt = np.geomspace(0.01, 200, 4000), 0.0151
+    table = FrequencyResponse.from_complex(w=w, gain=zoh.sample(plant, dt).at(w), dt=dt)
+    with pytest.raises(NotMet, match=r"at 10\.8\d+ rad/s, another crossover of this loop"):
+        zoh.p(table, dt=dt, wc=4.963)

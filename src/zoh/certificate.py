@@ -12,10 +12,12 @@ from zoh.design import p as p_law
 from zoh.design import pid as pid_law
 from zoh.design.target import ABOVE, BELOW, Response, Target, nearest
 from zoh.errors import Infeasible, SpecError
+from zoh.lti.forms import time_constant
 from zoh.lti.systems import Sampled
 from zoh.request import (
     LAWS,
     NEGATIVE_GAINS,
+    SPARE,
     UNDER_MS,
     UNSTABLE_CONTROLLERS,
     Progress,
@@ -66,11 +68,12 @@ def certified(
 
 
 def backwards(sampled: Sampled) -> str:
-    """Return a hint where no stable loop has positive gains at rest, nothing where one may.
+    """Return a hint where the gains had better be of the other sign, nothing where they are right.
 
     The last coefficient of the closed loop's polynomial in w is the plant's own, which an odd
     number of unstable poles makes negative, plus one of the gain's sign: it has to become
-    positive, as the first one is. Of a stable plant weak gains may do, and drive it away.
+    positive, as the first one is. Of a stable plant weak gains may do, and drive it away; of an
+    unstable one without a gain at rest no sign does.
 
     >>> backwards(Sampled(num=[-1.0], den=[1.0, -0.5], dt=0.1))
     'the plant answers backwards at low frequencies: a negative sensor gain turns it round'
@@ -83,7 +86,9 @@ def backwards(sampled: Sampled) -> str:
         return ""
     if bottom * first > 0:
         return f"the plant answers backwards at low frequencies: {_TURNED}"
-    return f"with positive gains no loop of this unstable plant is stable: {_TURNED}"
+    if sampled.num_w[-1] == 0:
+        return ""
+    return f"an unstable plant of this sign asks for negative gains: {_TURNED}"
 
 
 def advised(
@@ -112,7 +117,8 @@ def advised(
             progress(f"{law} cannot; is there a {name} of {what}?")
         try:
             return _first_reason(
-                reason(name, at, {**free, **wanted}, also) for free in _free(name, sampled, at)
+                reason(name, at, {**free, **wanted}, also)
+                for free in _free(name, sampled, at, wanted)
             )
         except (SpecError, OverflowError):  # the last one in what is tried
             return "its gains are beyond a float"
@@ -205,7 +211,9 @@ def _edge(has: Callable[[float], bool], good: float, bad: float) -> float:
     return good
 
 
-def _free(law: str, sampled: Response, spec: Crossover) -> list[dict[str, float]]:
+def _free(
+    law: str, sampled: Response, spec: Crossover, given: Mapping[str, float]
+) -> list[dict[str, float]]:
     """Return values to try for gains that were not given: modest ones that leave room.
 
     A small integral, then, where it has to turn the phase back, more of it; a gain at w = 0 from
@@ -219,7 +227,9 @@ def _free(law: str, sampled: Response, spec: Crossover) -> list[dict[str, float]
         "ki": _SMALL_KI * spec.wc / target.size,
         "dc_gain": 2 / target.size if law == "leadlag" else modest,
     }
-    room = pid_law.room(target, sampled.dt / 2) if law == "pid" else None
+    if law != "pid" or any(name in given for name in SPARE):
+        return [free]
+    room = pid_law.room(target, time_constant(given.get("filter_pole"), sampled.dt))
     if room is None or room[0] < free["ki"]:
         return [free]
     low, high = room

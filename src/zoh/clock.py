@@ -27,7 +27,7 @@ from zoh.lti.systems import Plant, Sampled
 from zoh.pipeline import design
 from zoh.request import UNDER_MS, allowed, checked, is_closed
 from zoh.sampling.hold import sample
-from zoh.solving import by_gain_alone, not_as_asked, solved
+from zoh.solving import by_gain_alone, not_as_asked, own_margin, solved
 from zoh.spec import Crossover, Requirements
 from zoh.workbench import without_cancelled
 
@@ -37,12 +37,8 @@ Try = Callable[[float], tuple[Seen | None, str | None]]  # a dt: what came of it
 TOLERANCE_DEG = 0.1  # by how much rounding the coefficients may move the phase margin
 _LONGEST, _SHORTEST = 0.99, 1e-3  # of pi/wc, where the crossover is at Nyquist's frequency
 _POINTS = 31  # ten for a factor of 10
-_OF_THE_CLOCK = (
-    "dt",
-    "w0",
-    "zeros_w0",
-    "poles_w0",
-)  # what is wrong at one sample time and not at others
+# what is wrong at one sample time and not at others
+_OF_THE_CLOCK = ("dt", "w0", "zeros_w0", "poles_w0")
 EDGE = 1e-9  # of the largest sample time, to which its edge is closed in on
 
 
@@ -196,6 +192,7 @@ class _Asked:
         if not given["wc"] * dt < pi:
             return None, "wc is not below the Nyquist frequency pi/dt"
         closed = is_closed(self.law, given) and not any(k in given for k in UNDER_MS)
+        closed = closed and ("pm_deg" in given or not self.words)  # a P of wc has either sign
         try:
             if closed and all(getattr(requirements, name) is None for name in OF_TIME):
                 return self._by_margins(dt, delay)
@@ -232,7 +229,8 @@ class _Asked:
         controller = law.controller
         controller = controller * fixed if fixed else controller
         m = measure_loop(Loop.of(controller, sampled))
-        misses = [*missed(self.requirements, m, None), *not_as_asked(m, spec)]
+        asked = spec or own_margin(behind, wc)
+        misses = [*missed(self.requirements, m, None), *not_as_asked(m, asked)]
         return (sampled, controller, m), "; ".join(misses) or None
 
 

@@ -1,9 +1,7 @@
 """A P of a crossover alone, or of a margin alone: a gain has one freedom, and either closes it."""
 
-from cmath import phase
 from collections.abc import Mapping
 from contextlib import suppress
-from math import degrees
 
 from zoh.analysis.verify import Verified
 from zoh.certificate import least_turn
@@ -11,7 +9,7 @@ from zoh.design.p import crossovers
 from zoh.errors import Infeasible, NotMet
 from zoh.lti.systems import Sampled
 from zoh.request import NEGATIVE_GAINS
-from zoh.solving import SolvedLaw, by_gain_alone, negated
+from zoh.solving import SolvedLaw, by_gain_alone, negated, own_margin
 from zoh.spec import Crossover
 from zoh.workbench import Bench
 
@@ -40,7 +38,7 @@ def _p_of_one(bench: Bench, plant: Sampled, parameters: Mapping[str, float]) -> 
 
     if "wc" in parameters:
         wc = parameters["wc"]
-        return bench.verified(law(wc), _own_margin(plant, wc))
+        return bench.verified(law(wc), own_margin(plant, wc))
     pm_deg = Crossover(wc=1.0, pm_deg=parameters["pm_deg"]).pm_deg
     failure: NotMet | None = None
     for wc in crossovers(plant, pm_deg):
@@ -55,9 +53,3 @@ def _p_of_one(bench: Bench, plant: Sampled, parameters: Mapping[str, float]) -> 
         "at no frequency below Nyquist's",
         needed_deg=least_turn(plant, pm_deg),
     )
-
-
-def _own_margin(plant: Sampled, wc: float) -> Crossover | None:
-    """Return wc and the margin that the plant alone has there; None if that is no margin."""
-    pm_deg = (degrees(phase(plant.at(wc))) + 180.0) % 360.0
-    return Crossover(wc=wc, pm_deg=pm_deg) if 0 < pm_deg < 180 else None

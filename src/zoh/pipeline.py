@@ -8,9 +8,9 @@ from typing import overload
 
 from zoh.analysis.tabled.verify import TableVerified
 from zoh.analysis.verify import NOTHING_ASKED, Verified
-from zoh.certificate import backwards, certified
+from zoh.certificate import certified
 from zoh.choice.before import contradicted
-from zoh.choice.choose import choose, nothing_asked
+from zoh.choice.choose import choose, nothing_asked, signs
 from zoh.choice.judge import Judge
 from zoh.choice.notes import notes
 from zoh.design.sections import SecondOrder, in_series
@@ -18,11 +18,10 @@ from zoh.errors import Infeasible, NotMet
 from zoh.gain_alone import by_one
 from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.hidden import unstable_hidden
-from zoh.lti.systems import Plant, Sampled
+from zoh.lti.systems import Plant
 from zoh.lti.weights import WEIGHTS
 from zoh.request import (
     CANCELLED_UNSTABLE_MODES,
-    NEGATIVE_GAINS,
     UNDER_MS,
     Progress,
     allowed,
@@ -137,25 +136,14 @@ def _chosen(
     Crossover(
         wc=parameters.get("wc", 1e-9 / dt), pm_deg=parameters.get("pm_deg", 45.0)
     ).below_nyquist(dt)
-    refusal: Infeasible | None = None
-    for back in _signs(bench.sampled, parameters, words):
-        try:
-            return _chosen_of(bench, parameters, words, sections, progress, back)
-        except Infeasible as refused:
-            refusal = refusal or refused
-    assert refusal is not None, "one sign at least is tried"
-    raise refusal
-
-
-def _signs(
-    sampled: Sampled, parameters: Mapping[str, float], words: frozenset[str]
-) -> tuple[bool, ...]:
-    """Return whether laws of negative gains are tried, one after the other."""
-    if NEGATIVE_GAINS not in words:
-        return (False,)
-    given = [parameters[name] < 0 for name in ("ki", "dc_gain") if name in parameters]
-    back = bool(backwards(sampled))
-    return (given[0],) if given else (back, not back)
+    first, *rest = signs(bench.sampled, parameters, words)
+    try:
+        return _chosen_of(bench, parameters, words, sections, progress, first)
+    except Infeasible:
+        for back in rest:
+            with suppress(Infeasible):
+                return _chosen_of(bench, parameters, words, sections, progress, back)
+        raise
 
 
 def _chosen_of(

@@ -1,7 +1,9 @@
 """A law solved by name, and whether a measured loop has what it was solved for."""
 
+from cmath import phase
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from math import degrees
 from typing import Protocol
 
 from zoh.analysis.results import Gains, Margins
@@ -178,6 +180,16 @@ def by_gain_alone(plant: Response, wc: float) -> SolvedLaw:
     """Return the P that crosses over at wc in rad/s, with whatever margin the plant has there."""
     law = p_law.P(kp=1 / Target.of(plant, Crossover(wc=wc, pm_deg=90.0)).size, dt=plant.dt)
     return SolvedLaw(controller=law.controller(), gains=law.gains)
+
+
+def own_margin(plant: Response, wc: float) -> Crossover | None:
+    """Return wc and the margin that the plant alone has there; None if that is no margin.
+
+    >>> own_margin(Sampled(num=(1.0,), den=(1.0, -1.0), dt=1.0), 1.0).pm_deg  # 90 deg - wc/2
+    61.35211...
+    """
+    pm_deg = (degrees(phase(plant.at(wc))) + 180.0) % 360.0
+    return Crossover(wc=wc, pm_deg=pm_deg) if 0 < pm_deg < 180 else None
 
 
 def off_target(m: Margins | Seen, spec: Crossover) -> bool:

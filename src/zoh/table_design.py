@@ -23,6 +23,7 @@ from zoh.analysis.tabled.verify import (
     table_verified,
 )
 from zoh.certificate import advised
+from zoh.design.target import Opposite
 from zoh.errors import Infeasible, NotMet, SpecError
 from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.systems import Sampled
@@ -35,6 +36,7 @@ from zoh.solving import (
     by_gain_alone,
     not_as_asked,
     off_target,
+    own_margin,
     solved,
 )
 from zoh.spec import Crossover, Requirements
@@ -145,7 +147,8 @@ def _p_of_one(
         return found if sign > 0 else found.opposite()
 
     if "wc" in parameters:
-        return checked(law(parameters["wc"]), None)
+        wc = parameters["wc"]
+        return checked(law(wc), own_margin(plant if sign > 0 else Opposite(plant), wc))
     pm_deg = Crossover(wc=1.0, pm_deg=parameters["pm_deg"]).pm_deg
     failure: NotMet | None = None
     turned = 0.0 if sign > 0 else 180.0  # the opposite of a plant is a half turn behind it

@@ -225,10 +225,40 @@ def test_a_margin_that_contradicts_a_requirement_is_said_with_the_refusal():
         zoh.pi(ARM, dt=0.1, wc=2.0, pm_deg=40, requirements=zoh.Requirements(pm_deg=57.5))
 
 
-def test_a_p_that_crosses_over_elsewhere_with_less_is_refused():
-    plant = zoh.Plant.parse("1.8697/(s^4 + 3.4493 s^3 + 144.38 s^2 + 354.75 s)")
-    with pytest.raises(zoh.NotMet, match=r"at 10\.8\d+ rad/s, another crossover of this loop"):
-        zoh.p(plant, dt=0.0151, wc=4.963)
+def test_a_p_that_crosses_over_elsewhere_with_less_is_refused_at_every_clock():
+    plant, dt = zoh.Plant.parse("1.8697/(s^4 + 3.4493 s^3 + 144.38 s^2 + 354.75 s)"), 0.0151
+    elsewhere = r"at 10\.8\d+ rad/s, another crossover of this loop"
+    with pytest.raises(zoh.NotMet, match=elsewhere):
+        zoh.p(plant, dt=dt, wc=4.963)
+    clocks = zoh.sample_times(plant, "p", {"wc": 4.963}, dts=[dt / 2, dt])
+    assert all("another crossover of this loop" in row.failure for row in clocks.rows)
+    words = ["negative_gains"]
+    clocks = zoh.sample_times(plant, "p", {"wc": 4.963}, dts=[dt / 2, dt], allow=words)
+    assert clocks.largest is None
+
+
+def test_a_gain_that_is_given_says_which_sign_is_tried():
+    plant, words = zoh.Plant(num=[-2], den=[1, 1]), ["negative_gains"]
+    asked = zoh.Requirements(ms=1.8)
+    d = zoh.pid(plant, dt=0.1, ki=-1.0, requirements=asked, allow=words)
+    assert d.gains["kp"] < 0
+    met = [
+        zoh.law_map(
+            plant, "pid", dt=0.1, requirements=asked, given={"ki": ki}, allow=words, points=(7, 5)
+        ).met.any()
+        for ki in (-1.0, 1.0)
+    ]
+    assert met == [True, False]
+
+
+def test_an_unstable_plant_without_a_gain_at_rest_is_not_told_to_turn():
+    """s/(s - 1) in the loop: the last coefficient is the plant's own, whatever the gain."""
+    with pytest.raises(zoh.Infeasible) as refused:
+        zoh.design(
+            zoh.Plant.parse("-s/((s - 1)(s + 2))"), "pd", {}, dt=0.1,
+            requirements=zoh.Requirements(ms=2),
+        )  # fmt: skip
+    assert "turns it round" not in str(refused.value)
 
 
 def test_a_zero_beside_its_pole_is_not_said_to_creep():

@@ -73,7 +73,7 @@ def design_all(project: Project, progress: Progress | None = None) -> tuple[Entr
     ``progress`` is called with a sentence now and then while something is searched.
     """
     return tuple(
-        designed(project, c, progress) if isinstance(c, Request) else _measured(project, c)
+        _designed(project, c, progress) if isinstance(c, Request) else _measured(project, c)
         for c in project.controllers
     )
 
@@ -88,8 +88,7 @@ def check_all(project: Project) -> tuple[Entry, ...]:
     return tuple(_measured(project, c, claimed=True) for c in given)
 
 
-def designed(project: Project, request: Request, progress: Progress | None = None) -> Entry:
-    """Return one controller, designed or refused."""
+def _designed(project: Project, request: Request, progress: Progress | None) -> Entry:
     name, law = request.name, request.law
     try:
         with within(f'controller "{name}": '):

@@ -17,6 +17,7 @@ from zoh.choice.fastest import Edge, Search, Trial, least_ms
 from zoh.choice.judge import Judge
 from zoh.design.p import crossovers
 from zoh.errors import Infeasible
+from zoh.lti.systems import Sampled
 from zoh.request import AUTO, NEGATIVE_GAINS, Progress
 from zoh.spec import Requirements
 
@@ -75,6 +76,20 @@ class _Tried:
     @property
     def height(self) -> float:
         return -inf if self.best is None else self.best.judgement.height
+
+
+def signs(
+    sampled: Sampled, parameters: Mapping[str, float], words: frozenset[str]
+) -> tuple[bool, ...]:
+    """Return whether laws of negative gains are tried, one after the other, the likelier first.
+
+    A gain that is given has its sign; else both are where ``words`` allow negative ones.
+    """
+    if NEGATIVE_GAINS not in words:
+        return (False,)
+    given = [parameters[name] < 0 for name in ("ki", "dc_gain") if name in parameters]
+    back = bool(backwards(sampled))
+    return (given[0],) if given else (back, not back)
 
 
 def nothing_asked(asked: Requirements) -> bool:

@@ -1,10 +1,10 @@
 """The fastest crossover at which a law meets everything that is asked.
 
 Crossovers are tried from Nyquist's frequency down, in longer steps where more is missed, to far
-below every corner of the plant, and below that while a slower one misses by less. At each,
-the law's free
-coordinates are searched for the point where the least slack is largest; where that is not below
-0 the request can be met. The edge above the first such crossover is closed in on by halving.
+below every corner of the plant, and below that while a slower one misses by less. At each, the
+law's free coordinates are searched for the point where the least slack is largest; where that is
+not below 0 the request can be met. The edge above the first such crossover is closed in on by
+halving.
 What can be met between two crossovers tried, and at neither, is not seen.
 """
 

@@ -15,15 +15,14 @@ import numpy.typing as npt
 
 from zoh import checks
 from zoh.analysis.asked import checked
-from zoh.certificate import backwards
-from zoh.choice.choose import ASSUMED, nothing_asked
+from zoh.choice.choose import ASSUMED, nothing_asked, signs
 from zoh.choice.fastest import slowest_corner
 from zoh.choice.freedom import Freedom
 from zoh.choice.judge import Judge, Judgement
 from zoh.errors import SpecError
 from zoh.lti.systems import Plant, Sampled
 from zoh.lti.weights import WEIGHTS
-from zoh.request import NEGATIVE_GAINS, OF_AUTO, UNDER_MS, allowed
+from zoh.request import OF_AUTO, UNDER_MS, allowed
 from zoh.request import checked as checked_parameters
 from zoh.sampling.hold import sample
 from zoh.solving import opposite
@@ -82,8 +81,8 @@ def law_map(
     """Return the map of a law, ``points`` crossovers by margins.
 
     ``given`` are parameters of the law that are not open (ki, dc_gain, filter_pole, ti_td, the
-    setpoint weights); ``allow`` is as for ``zoh.design``. On a plant that answers backwards, where
-    negative gains are allowed, all of them are negative.
+    setpoint weights); ``allow`` is as for ``zoh.design``. Where negative
+    gains are allowed all of them have the sign of the one given, else the one that the plant needs.
     Without requirements those of an open choice are assumed: pm_deg 45 and ms 1.7. Raises
     SpecError for what is no plant, no law, or a table.
 
@@ -103,7 +102,7 @@ def law_map(
     asked = ASSUMED if nothing_asked(asked) else asked
     plant, _ = without_cancelled(plant, words)
     sampled = sample(plant, dt, compute_delay)
-    back = NEGATIVE_GAINS in words and bool(backwards(sampled))
+    back = signs(sampled, fixed, words)[0]
     judge = Judge(
         plant=plant, sampled=sampled, compute_delay=compute_delay, requirements=asked,
         reference=reference, weights=weights, back=back,
