@@ -1,8 +1,8 @@
 """What cannot be, seen before any search: each reason is a proof, in words.
 
 All of it is true of every stable loop that a choice may make, with gains of one sign and no slow
-zero, whatever the crossover: what is left open is not searched where one of these stands against it.
-Sections in series have a gain of 1 at rest.
+zero, whatever the crossover: what is left open is not searched where one of these stands against
+it. Sections in series have a gain of 1 at rest.
 Source: G. F. Franklin, J. D. Powell, A. Emami-Naeini, Feedback Control of Dynamic Systems,
 sec. 4.2 (system type, and what the errors of a step add up to).
 """
