@@ -17,7 +17,7 @@ import numpy as np
 from zoh import checks
 from zoh.analysis.loop import Array
 from zoh.analysis.motion import Motion, Stretch
-from zoh.analysis.realised import realised
+from zoh.analysis.realised import Chain
 from zoh.errors import SpecError
 from zoh.lti import digits
 from zoh.lti.systems import Plant, Sampled
@@ -50,8 +50,10 @@ def closed_loop(
         raise SpecError("controller", "must be a zoh.Sampled", controller, "give num, den and dt")
     dt = controller.dt
     m, lead = followable(plant, dt, compute_delay, controller.delay)
-    held, feedback, ahead = Held.of(plant, dt), realised(controller), _ahead(feedforward, by)
-    at = _Places.of(len(held.c), m, (len(feedback[0]), len(ahead[0])), by)
+    held, ahead = Held.of(plant, dt), _ahead(feedforward, by)
+    at_once = not m and held.d != 0.0  # e moves by u: the chain cannot be written by its step
+    feedback = (Chain.of if at_once else Chain.followed)(controller)
+    at = _Places.of(len(held.c), m, (len(feedback.a), len(ahead.a)), by)
     y, u = _signals(held, feedback, ahead, at)
     stretches, moved = _between(held, *_inputs(u, at), lead)
     delta, start = np.zeros((at.size, at.size)), np.zeros(at.size)
@@ -60,18 +62,20 @@ def closed_loop(
         queue = slice(at.n, at.first)
         delta[queue, queue] = np.eye(at.kept, k=-1) - np.eye(at.kept)
         delta[at.n] += u
-    if at.ahead > at.first:
-        error = [-part for part in y]
-        if at.r is not None:
-            error[at.r] += 1.0
-        _chain(delta, at.first, feedback[0], error)
-    if at.own > at.ahead:
-        _chain(delta, at.ahead, ahead[0], _unit(at.size, at.own))
     start[at.one] = 1.0
     if by == "ramp":
         delta[at.own, at.one] = dt
     elif by == "impulse":
         delta[at.own, at.own], start[at.own] = -1.0, 1.0
+    if feedback.a:
+        error = [-part for part in y]
+        if at.r is not None:
+            error[at.r] += 1.0
+        feedback.write(delta, at.first, error)
+        if feedback.steps:  # from nothing to e at once
+            start[at.first] = start.dot(error)
+    if ahead.a:
+        ahead.write(delta, at.ahead, _unit(at.size, at.own))
     return Motion(
         dt=dt, delta=delta, start=start, own=at.own, output=np.array(y), effort=np.array(u),
         stretches=stretches,
@@ -79,13 +83,12 @@ def closed_loop(
     )  # fmt: skip
 
 
-Realised = tuple[Sequence[float], Sequence[float], float]  # (a, c, d) of ``realised``
 Row = list[float]  # on Z
 
 
-def _ahead(feedforward: Sampled | None, by: Excitation) -> Realised:
+def _ahead(feedforward: Sampled | None, by: Excitation) -> Chain:
     """Return the feedforward as a chain of sums, nothing where no reference acts."""
-    return realised(feedforward) if feedforward and by != "disturbance" else ((), (), 0.0)
+    return Chain.of(feedforward) if feedforward and by != "disturbance" else Chain((), (), 0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -122,19 +125,19 @@ class _Places:
         return self.one + 1
 
 
-def _signals(held: Held, feedback: Realised, ahead: Realised, at: _Places) -> tuple[Row, Row]:
+def _signals(held: Held, feedback: Chain, ahead: Chain, at: _Places) -> tuple[Row, Row]:
     """Return output and effort at a sample as rows on Z."""
-    _, c, direct = feedback
+    direct = feedback.d
     y = [*held.c, *[0.0] * (at.size - at.n)]
     if at.kept:
         y[at.first - 1] = held.d
     if at.d:
         y[at.one] = held.d
     u = [-direct * part for part in y]
-    for i, part in enumerate((*c, *ahead[1]), at.first):
+    for i, part in enumerate((*feedback.c, *ahead.c), at.first):
         u[i] += part
     if at.r is not None:
-        u[at.r] += direct + ahead[2]
+        u[at.r] += direct + ahead.d
     if held.d and not at.kept:  # the plant answers at once
         if 1 + direct * held.d == 0:
             raise SpecError(
@@ -143,16 +146,6 @@ def _signals(held: Held, feedback: Realised, ahead: Realised, at: _Places) -> tu
         u = [part / (1 + direct * held.d) for part in u]
         y = [part + held.d * of_u for part, of_u in zip(y, u, strict=True)]
     return y, u
-
-
-def _chain(delta: Array, first: int, a: Sequence[float], enters: Sequence[float]) -> None:
-    """Write a chain of sums with feedback a into delta, in place; what enters is a row on Z."""
-    row = [*enters]
-    for i, part in enumerate(a, first):
-        row[i] -= part
-    delta[first] = row
-    for i in range(first + 1, first + len(a)):
-        delta[i, i - 1] = 1.0
 
 
 def _inputs(u: Row, at: _Places) -> tuple[Row, Row]:
@@ -194,13 +187,13 @@ def followable(plant: Plant, dt: float, compute_delay: float, more: int = 0) -> 
 
 def autonomous(system: Sampled) -> Motion:
     """Return the step response of a sampled system, its delay left out, at the samples only."""
-    a, c, d = realised(system)
-    n = len(a)
+    chain = Chain.of(system)
+    n = len(chain.a)
     delta, one = np.zeros((n + 1, n + 1)), _unit(n + 1, n)
     if n:
-        _chain(delta, 0, a, one)
+        chain.write(delta, 0, one)
     return Motion(
-        dt=system.dt, delta=delta, start=np.array(one), own=n, output=np.array([*c, d]),
+        dt=system.dt, delta=delta, start=np.array(one), own=n, output=np.array([*chain.c, chain.d]),
         effort=None, stretches=(),
     )  # fmt: skip
 

@@ -7,10 +7,14 @@ Source: R. H. Middleton and G. C. Goodwin, Digital Control and Estimation: A Uni
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from math import comb
 from operator import mul
 
+import numpy as np
+
+from zoh.analysis.loop import Array
 from zoh.lti.systems import Sampled
 
 
@@ -22,16 +26,83 @@ def realised(system: Sampled) -> tuple[list[float], list[float], float]:
     >>> realised(Sampled(num=[0.5], den=[1, -0.5], dt=1.0))
     ([0.5], [0.5], 0.0)
     """
-    *wholes, _ = system.whole_w  # what they have in common cancels
-    half = (system.dt / 2).as_integer_ratio()
-    num, den = (_in_delta(a, half) for a in wholes)
-    for i in range(len(den) - len(system.num)):
-        num[i] = 0  # what z says is nothing is not the rounding of w
+    num, den = _wholes(system)
     first, lead = num[0], den[0]
     # a quotient of whole numbers is rounded once
     a = [x / lead for x in den[1:]]
     c = [(x * lead - first * y) / (lead * lead) for x, y in zip(num[1:], den[1:], strict=True)]
     return a, c, first / lead
+
+
+@dataclass(frozen=True, slots=True)
+class Chain:
+    """A chain of sums in a motion, u = c x + d e.
+
+    steps  in the place of x_0 stands its step s = e - a x; a_0 x_0 = e - s - (a_1 x_1 + ...)
+    """
+
+    a: Sequence[float]
+    c: Sequence[float]
+    d: float
+    steps: bool = False
+
+    @classmethod
+    def of(cls, system: Sampled) -> "Chain":
+        """Return ``realised`` as a chain."""
+        return cls(*realised(system))
+
+    @classmethod
+    def followed(cls, system: Sampled) -> "Chain":
+        """Return the chain whose u loses the fewest digits.
+
+        Beside a fast pole c x takes back most of d e: a PD's gain at rest is wc dt of its d. By
+        its step the sum takes nothing back: s is what e moves by, and little more.
+
+        >>> Chain.followed(Sampled(num=[1001.0, -1000.0], den=[1, 0], dt=1e-3))
+        Chain(a=[1.0], c=[1000.0], d=1.0, steps=True)
+        """
+        num, den = _wholes(system)
+        (first, *nums), (lead, *dens) = num, den
+        second, fast = (nums[0], dens[0]) if dens else (0, 0)
+        if abs(second) * lead * lead >= fast * fast * abs(first):  # the step loses as many
+            return cls.of(system)
+        a = [x / lead for x in dens]
+        c = [(x * fast - second * y) / (lead * fast) for x, y in zip(nums, dens, strict=True)]
+        c[0] = (first * fast - second * lead) / (lead * fast)
+        return cls(a, c, second / fast, steps=True)
+
+    def write(self, delta: Array, first: int, enters: Sequence[float]) -> None:
+        """Write the states into delta from ``first`` on, in place; e is the row ``enters`` on Z.
+
+        Where the first is a step, what e is made of must have been written before.
+        """
+        for i in range(first + 1, first + len(self.a)):
+            delta[i, i - 1] = 1.0
+        if not self.steps:
+            row = [*enters]
+            for i, part in enumerate(self.a, first):
+                row[i] -= part
+            delta[first] = row
+            return
+        fast, *others = self.a
+        later = slice(first + 1, first + len(self.a))
+        if others:
+            row = [*enters]
+            for i, part in enumerate((1.0, *others), first):
+                row[i] -= part
+            delta[first + 1] = [part / fast for part in row]
+        delta[first] = np.dot(enters, delta) - np.dot(others, delta[later])
+        delta[first, first] -= fast
+
+
+def _wholes(system: Sampled) -> tuple[list[int], list[int]]:
+    """Return numerator and denominator in delta, descending, of one length, in whole numbers."""
+    *wholes, _ = system.whole_w  # what they have in common cancels
+    half = (system.dt / 2).as_integer_ratio()
+    num, den = (_in_delta(a, half) for a in wholes)
+    for i in range(len(den) - len(system.num)):
+        num[i] = 0  # what z says is nothing is not the rounding of w
+    return num, den
 
 
 def _in_delta(a_w: Sequence[int], half: tuple[int, int]) -> list[int]:
