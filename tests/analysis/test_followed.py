@@ -1,4 +1,4 @@
-"""A controller with a fast pole, followed by the step of its first sum, against exact motions."""
+"""Loops as motions, beside exact ones; a controller with a fast pole by the step of its sum."""
 
 from fractions import Fraction
 
@@ -66,7 +66,17 @@ def at(past, k):
     return past[k] if k >= 0 else Fraction(0)
 
 
-def moved(plant, controller, late, by, count):
+def answers(system, inputs):
+    """Return what a sampled system answers to inputs, in fractions."""
+    num, den = ([Fraction(x) for x in part] for part in (system.num, system.den))
+    num, out = [Fraction(0)] * (len(den) - len(num)) + num, []
+    for k in range(len(inputs)):
+        total = sum(c * at(inputs, k - i) for i, c in enumerate(num))
+        out.append((total - sum(c * at(out, k - i) for i, c in enumerate(den) if i)) / den[0])
+    return out
+
+
+def moved(plant, controller, late, by, count, feedforward=None):
     """Return y and u at ``count`` samples, in fractions; plant (b2 s^2 + b1 s + b0)/s^2.
 
     late  the delay in samples, a whole number of quarters
@@ -78,21 +88,27 @@ def moved(plant, controller, late, by, count):
     if wait > late:
         pieces.append(((wait - late) * t, wait - 1))
     num, den = ([Fraction(x) for x in part] for part in (controller.num, controller.den))
-    position, speed, outputs, efforts, errors = Fraction(0), Fraction(0), [], [], []
-    for k in range(count):
-        r = {"step": 1, "impulse": int(k == 0), "ramp": k * t, "disturbance": 0}[by]
+    position, speed, outputs, errors = Fraction(0), Fraction(0), [], []
+    efforts, mine = [], []
+    reference = {"step": [Fraction(1)] * count, "impulse": [Fraction(1)] + [Fraction(0)] * count}
+    reference |= {"ramp": [k * t for k in range(count)], "disturbance": [Fraction(0)] * count}
+    ahead = answers(feedforward, reference[by]) if feedforward else [Fraction(0)] * count
+    for k, r in zip(range(count), reference[by], strict=False):
         d = Fraction(by == "disturbance")
         # the plant's input right at the sample
         rest = sum(c * at(errors, k - i) for i, c in enumerate(num) if i)
-        rest -= sum(c * at(efforts, k - i) for i, c in enumerate(den) if i)
+        rest -= sum(c * at(mine, k - i) for i, c in enumerate(den) if i)
         free = b0 * position + b1 * speed + b2 * d
         if wait:
             outputs.append(free + b2 * at(efforts, k - wait))
             errors.append(r - outputs[k])
-            efforts.append((num[0] * errors[k] + rest) / den[0])
-        else:  # u = num0/den0 (r - free - b2 u) + rest/den0
+            # the controller remembers its own answers alone
+            mine.append((num[0] * errors[k] + rest) / den[0])
+            efforts.append(mine[k] + ahead[k])
+        else:  # u = num0/den0 (r - free - b2 u) + rest/den0 + ahead
             direct = num[0] / den[0]
-            efforts.append((direct * (r - free) + rest / den[0]) / (1 + direct * b2))
+            efforts.append((direct * (r - free) + rest / den[0] + ahead[k]) / (1 + direct * b2))
+            mine.append(efforts[k] - ahead[k])
             outputs.append(free + b2 * efforts[k])
             errors.append(r - outputs[k])
         for span, ago in pieces:
@@ -119,7 +135,31 @@ def test_every_motion_is_the_exact_one(num, den, late, direct, by):
     controller = Sampled(num=num, den=den, dt=0.125)
     motion = closed_loop(plant, controller, by=by)
     states = motion.run(motion.start, 24)
-    y, u = moved(plant, controller, late, by, 24)
+    assert_exact(motion, states, *moved(plant, controller, late, by, 24))
+
+
+@pytest.mark.parametrize("by", EXCITATIONS)
+@pytest.mark.parametrize("late", [0.0, 0.25, 1.0, 3.0])
+@pytest.mark.parametrize("direct", [0.0, 0.0625])
+@pytest.mark.parametrize(
+    ("num", "den"),
+    [
+        ([0.75], [1.0]),
+        ([2.0, -1.5], [1.0, -0.25]),
+        ([1.0], [1.0, -0.5]),
+        ([2.0, -1.0, 0.5], [2.0, -1.0, 0.25]),
+    ],
+)
+def test_a_feedforward_adds_its_answer_to_the_reference(num, den, direct, late, by):
+    plant = Plant(num=[direct, 0.25, 0.5], den=[1.0, 0.0, 0.0], dead_time=late * 0.125)
+    controller = Sampled(num=[65.0, -127.0, 62.5], den=[1.0, -1.25, 0.25], dt=0.125)
+    feedforward = Sampled(num=num, den=den, dt=0.125)
+    motion = closed_loop(plant, controller, by=by, feedforward=feedforward)
+    states = motion.run(motion.start, 24)
+    assert_exact(motion, states, *moved(plant, controller, late, by, 24, feedforward))
+
+
+def assert_exact(motion, states, y, u):
     size = max(map(abs, y)), max(map(abs, u))
     for got, truth, most in zip((motion.output, motion.effort), (y, u), size, strict=True):
         # 1e-12 of the largest: 24 samples of loops some of which are unstable
