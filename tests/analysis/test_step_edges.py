@@ -29,6 +29,9 @@ def test_refusals_in_words():
     assert refusal(lambda: closed_loop(3, HALF)) == (
         "plant must be a zoh.Plant, got 3: give num and den, or a formula"
     )
+    assert refusal(lambda: closed_loop(INTEGRATOR, 3)) == (
+        "controller must be a zoh.Sampled, got 3: give num, den and dt"
+    )
     far, late = (
         Plant(num=[1], den=[1, 0], dead_time=4999.5),
         Sampled(num=[1], den=[1, 0, 0], dt=0.5),
