@@ -8,7 +8,8 @@ from math import atan, inf, pi, sqrt
 import numpy as np
 import pytest
 
-from zoh.analysis.loop import Loop, out_of_range, scalar
+from zoh.analysis.axis import scalar
+from zoh.analysis.loop import Loop, out_of_range
 from zoh.errors import SpecError
 from zoh.lti.systems import Plant, Sampled
 

@@ -7,7 +7,15 @@ import numpy as np
 import pytest
 
 from zoh.analysis.loop import Loop
-from zoh.analysis.sparse import Sparse, _by_secant, _jet, _parabola, _polished, _root, _stationary
+from zoh.analysis.sparse import (
+    Sparse,
+    _by_secant,
+    _grid,
+    _parabola,
+    _polished,
+    _root,
+    _stationary,
+)
 from zoh.analysis.squares import DROP, ON_DEN, ON_NUM, ON_OPPOSITE, Squares
 from zoh.lti.systems import Plant, Sampled
 
@@ -155,11 +163,11 @@ def test_a_root_between_two_points(a, low, high, root):
 @pytest.mark.parametrize(
     ("p", "q", "x", "low", "high", "least"),
     [
-        ([1.0, 0.0, 1.0], [1.0, 0.0], 1.1, 0.5, 2.0, 1.0),  # x + 1/x
-        ([4.0, 0.0, 9.0], [1.0, 0.0], 0.6, 0.5, 4.0, 1.5),
-        ([1.0, -2.0, 2.0], [1.0], 3.9, 0.1, 4.0, 1.0),
-        ([1.0, -2.0, 2.0], [1.0], 0.2, 0.1, 4.0, 1.0),
-        ([1.0, -4.0, 6.0, -4.0, 1.5], [1.0], 0.4, 0.3, 3.0, 1.0),  # (x - 1)^4 + 1/2
+        ([1.0, 0.0, 1.0], [0.0, 1.0, 0.0], 1.1, 0.5, 2.0, 1.0),  # x + 1/x
+        ([4.0, 0.0, 9.0], [0.0, 1.0, 0.0], 0.6, 0.5, 4.0, 1.5),
+        ([1.0, -2.0, 2.0], [0.0, 0.0, 1.0], 3.9, 0.1, 4.0, 1.0),
+        ([1.0, -2.0, 2.0], [0.0, 0.0, 1.0], 0.2, 0.1, 4.0, 1.0),
+        ([1.0, -4.0, 6.0, -4.0, 1.5], [0.0] * 4 + [1.0], 0.4, 0.3, 3.0, 1.0),  # (x - 1)^4 + 1/2
         # x^2/(x^2 + 1)... of (x - 2)^2/((x - 2)^2 + 1): slopes far out fall again
         ([1.0, -4.0, 4.0], [1.0, -4.0, 5.0], 5.0, 1.0, 6.0, 2.0),
         ([1.0, -4.0, 4.0], [1.0, -4.0, 5.0], 0.2, 0.1, 3.0, 2.0),
@@ -179,9 +187,21 @@ def test_a_parabola_is_least_between():
     assert _parabola(inf, 2.0, 3.0) == 0.0
 
 
-def test_a_polynomial_and_its_derivatives():
-    assert _jet([1.0, -2.0, 3.0, 4.0], 2.0) == (10.0, 7.0, 8.0)  # x^3 - 2 x^2 + 3 x + 4
-    assert _jet([5.0], 2.0) == (5.0, 0.0, 0.0)
+def test_a_ratio_of_polynomials_is_least_where_its_derivative_says():
+    """Of (x^3 + 16)/(2 x^2) it is (1 - 32/x^3)/2, of (3 x^3 + 6 x + 4)/x^2 3 - 6/x^2 - 8/x^3."""
+    cube = _stationary([1.0, 0.0, 0.0, 16.0], [0.0, 2.0, 0.0, 0.0], 3.0, 2.0, 5.0)
+    assert cube == pytest.approx(32 ** (1 / 3), rel=1e-12)  # a last step of 1e-6 leaves its square
+    x = _stationary([3.0, 0.0, 6.0, 4.0], [0.0, 1.0, 0.0, 0.0], 1.9, 1.0, 4.0)
+    assert 3 * x**3 - 6 * x - 8 == pytest.approx(0.0, abs=1e-10)  # of terms of 20: as above
+
+
+def test_the_grid_is_that_of_powers_of_two():
+    octaves, powers = _grid(5, 3)  # 5 between the corners: 2 below the middle, 7 beyond them
+    assert octaves.tolist() == [-9 + i / 2 for i in range(39)]
+    assert powers.shape == (3, 39)
+    assert powers[2].tolist() == [1.0] * 39
+    assert powers[:2, 0].tolist() == [2.0**-18, 2.0**-9]
+    assert powers[:2, -1].tolist() == [2.0**20, 2.0**10]
 
 
 def test_a_root_is_moved_onto_the_function_itself():

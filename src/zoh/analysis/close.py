@@ -11,8 +11,9 @@ from math import inf, pi
 
 import numpy as np
 
+from zoh.analysis.axis import scalar
 from zoh.analysis.crossings import least, sign_changes
-from zoh.analysis.loop import Array, ComplexArray, Loop, scalar
+from zoh.analysis.loop import Array, ComplexArray, Loop
 from zoh.analysis.squares import Below, Squares, corners
 from zoh.errors import SpecError
 from zoh.lti import poly, whole

@@ -6,7 +6,6 @@ Nyquist frequency, and psi = delay w dt. Everything that is measured is measured
 """
 
 from cmath import exp
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from math import atan, inf
@@ -16,6 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from zoh.analysis.axis import scalar, with_slope
 from zoh.errors import SpecError
 from zoh.lti import poly, whole
 from zoh.lti.poly import Poly
@@ -114,8 +114,8 @@ class Loop:
 
     def slopes(self, v: float) -> tuple[complex, complex, complex, complex]:
         """Return ``point`` and its derivatives with respect to v: (top, bottom, dtop, dbottom)."""
-        top, dtop = _with_slope(self.num, v)
-        bottom, dbottom = _with_slope(self.den, v)
+        top, dtop = with_slope(self.num, v)
+        bottom, dbottom = with_slope(self.den, v)
         if self.dead_time:
             turned = exp(-1j * self.psi(v))
             dtop = (dtop - 1j * self.psi_slope(v) * top) * turned
@@ -215,27 +215,6 @@ def _ends(loop: Loop) -> tuple[tuple[float, float, float], ...]:
     else:
         found.append((inf, num[0], den[0]))
     return tuple(found)
-
-
-def scalar(a: Sequence[float], v: float) -> complex:
-    """Return a(j v) in plain Python, the fastest way to one value of a short polynomial.
-
-    >>> scalar((1.0, 2.0, 3.0), 1.0)
-    (2+2j)
-    """
-    re, im = a[0], 0.0
-    for c in a[1:]:
-        re, im = c - im * v, re * v
-    return complex(re, im)
-
-
-def _with_slope(a: Sequence[float], v: float) -> tuple[complex, complex]:
-    """Return a(j v) and its derivative with respect to v."""
-    s, value, slope = complex(0.0, v), complex(a[0]), 0j
-    for c in a[1:]:
-        slope = slope * s + value
-        value = value * s + c
-    return value, 1j * slope
 
 
 def _dt(system: Plant | Sampled | None) -> float | None:

@@ -8,8 +8,7 @@ can miss something: whether it has, ``proof`` says.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
-from itertools import chain
+from functools import lru_cache, partial
 from math import ceil, floor, inf, isfinite, sqrt
 
 import numpy as np
@@ -58,7 +57,7 @@ class Sparse:
         exact: Sequence[Whole] = (s.bottom, s.top, s.opposite, s.closed, s.gain, s.turn, s.drop)
         found = corners((s.bottom, s.closed, s.gain, s.turn, s.drop))
         low, high = floor(min(found, default=0.0)), ceil(max(found, default=0.0))
-        middle = (low + high) // 2
+        middle = low + (high - low) // 2
         longest = len(s.bottom)
         # one power of two for those of which ratios are taken, and none of it underflows
         shared = max(whole.size(s.bottom, middle), whole.size(s.top, middle))
@@ -67,10 +66,8 @@ class Sparse:
             [0.0] * (longest - len(a)) + whole.floats(a, middle, bits)
             for a, bits in zip(exact, sizes, strict=True)
         ]
-        count = (high - low + 2 * _BEYOND) * _PER_OCTAVE + 1
-        octaves = np.arange(count) / _PER_OCTAVE + (low - _BEYOND - middle)
-        weights = np.fromiter(chain.from_iterable(rows), float).reshape(-1, longest)
-        values = weights @ np.exp2(np.arange(longest - 1, -1, -1)[:, None] * octaves)
+        octaves, powers = _grid(high - low, longest)
+        values = np.array(rows) @ powers
         if not isfinite(values.sum()):
             return None
         ratios = values[_CLOSED] / np.maximum(values[:_CLOSED], _NOTHING)
@@ -124,6 +121,23 @@ class Sparse:
         return found
 
 
+@lru_cache(maxsize=256)
+def _grid(wide: int, length: int) -> tuple[Array, Array]:
+    """Return (log2 of x, so many powers of x, descending) on a grid around corners so wide apart.
+
+    wide  octaves from the first corner to the last; x is 1 in the middle between them
+
+    >>> octaves, powers = _grid(2, 2)
+    >>> octaves.tolist()[::32], powers[:, 0].tolist()  # 7 octaves more on either side
+    ([-8.0, 8.0], [0.00390625, 1.0])
+    """
+    count = (wide + 2 * _BEYOND) * _PER_OCTAVE + 1
+    octaves = np.arange(count) / _PER_OCTAVE - (wide // 2 + _BEYOND)
+    powers = np.exp2(np.arange(length - 1, -1, -1)[:, None] * octaves)
+    octaves.flags.writeable = powers.flags.writeable = False
+    return octaves, powers
+
+
 def _root(a: Sequence[float], low: float, high: float, at_low: float, at_high: float) -> float:
     """Return the root of a polynomial between two points at which its signs differ.
 
@@ -157,14 +171,20 @@ def _root(a: Sequence[float], low: float, high: float, at_low: float, at_high: f
 def _stationary(p: Sequence[float], q: Sequence[float], x: float, low: float, high: float) -> float:
     """Return where p'q - pq' changes from below to above 0, near x in [low, high].
 
-    >>> _stationary([1.0, 0.0, 1.0], [1.0, 0.0], 1.1, 0.5, 2.0)  # x + 1/x
+    p and q have one length.
+
+    >>> _stationary([1.0, 0.0, 1.0], [0.0, 1.0, 0.0], 1.1, 0.5, 2.0)  # x + 1/x
     1.0
     """
-    last = inf
+    last, rest = inf, list(zip(p[1:], q[1:], strict=True))
     for _ in range(100):
-        p0, p1, p2 = _jet(p, x)
-        q0, q1, q2 = _jet(q, x)
-        value, slope = p1 * q0 - p0 * q1, p2 * q0 - p0 * q2
+        p0, q0 = p[0], q[0]
+        p1 = q1 = p2 = q2 = 0.0  # p2 and q2 are half the second derivatives
+        for c, d in rest:
+            p2, q2 = p2 * x + p1, q2 * x + q1
+            p1, q1 = p1 * x + p0, q1 * x + q0
+            p0, q0 = p0 * x + c, q0 * x + d
+        value, slope = p1 * q0 - p0 * q1, 2 * p2 * q0 - p0 * (2 * q2)
         if value > 0:
             high = x
         else:
@@ -186,16 +206,6 @@ def _parabola(left: float, middle: float, right: float) -> float:
     """
     bend = left - 2 * middle + right
     return (left - right) / (2 * bend) if 0 < bend < inf else 0.0
-
-
-def _jet(a: Sequence[float], x: float) -> tuple[float, float, float]:
-    """Return a polynomial's value and first two derivatives."""
-    value, slope, half_bend = a[0], 0.0, 0.0
-    for c in a[1:]:
-        half_bend = half_bend * x + slope
-        slope = slope * x + value
-        value = value * x + c
-    return value, slope, 2 * half_bend
 
 
 def _polished(f: Callable[[float], float], v: float, squares: Squares, a: Whole) -> float:

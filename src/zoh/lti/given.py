@@ -1,5 +1,7 @@
 """What a user gives for a system, checked and in the form the library works with."""
 
+from collections.abc import Sequence
+from math import isfinite
 from numbers import Complex
 from typing import Any
 
@@ -79,3 +81,24 @@ def checked_state_space(
             )
     b_c = [x.ravel().tolist() for x in arrays[1:3]]
     return matrix.tolist(), b_c[0], b_c[1], float(arrays[3].ravel()[0])
+
+
+def in_w(name: str, value: Sequence[float]) -> Sequence[float]:
+    """Return w-coefficients, checked; leading zeros are kept."""
+    if type(value) is tuple and value and all([type(c) is float and isfinite(c) for c in value]):
+        return value  # what zoh makes itself
+    way_out = "give the coefficients as a list of real numbers in descending powers of w"
+    items = checks.sequence(name, value, way_out)
+    if not items:
+        raise SpecError(name, "must have at least one coefficient", value, way_out)
+    return tuple(checks.number(f"{name}[{i}]", c, way_out) for i, c in enumerate(items))
+
+
+def delay_at_zero(num: Poly, den: Poly) -> int:
+    """Return how many poles at z = 0 are a delay: those that leave a causal rest.
+
+    >>> delay_at_zero((1.0,), (1.0, -0.5, 0.0, 0.0)), delay_at_zero((1.0, 2.0), (1.0, 0.0))
+    (2, 0)
+    """
+    at_zero = next(k for k, c in enumerate(reversed(den)) if c)
+    return min(at_zero, len(den) - len(num))

@@ -4,7 +4,6 @@ import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import isfinite
 from typing import Any, overload
 
 import numpy as np
@@ -13,7 +12,7 @@ import numpy.typing as npt
 from zoh import checks
 from zoh.errors import SpecError
 from zoh.lti import poly
-from zoh.lti.given import check_fraction
+from zoh.lti.given import check_fraction, delay_at_zero, in_w
 from zoh.lti.poly import ComplexArray, Poly
 from zoh.lti.whole import of
 from zoh.lti.wplane import w_to_z, z_to_w
@@ -55,7 +54,7 @@ class Sampled:
         put(self, "den", checks.coefficients("den", self.den))
         put(self, "dt", sample_time(self.dt))
         check_fraction(self.num, self.den, "z")
-        delay = _delay(self.num, self.den)
+        delay = delay_at_zero(self.num, self.den)
         n = len(self.den) - 1 - delay
         (num, above), (den, below) = (z_to_w(a, self.dt, n) for a in (self.num, self.den[: n + 1]))
         unit = max(above, below)  # both are powers of two
@@ -118,7 +117,7 @@ class Sampled:
         >>> Sampled.from_w(num_w=[1.0], den_w=[1.0, 0.0], dt=2.0)  # 1/w = (z+1)/(z-1)
         Sampled(num=(1.0, 1.0), den=(1.0, -1.0), dt=2.0)
         """
-        dt, num_w, den_w = sample_time(dt), _in_w("num_w", num_w), _in_w("den_w", den_w)
+        dt, num_w, den_w = sample_time(dt), in_w("num_w", num_w), in_w("den_w", den_w)
         if type(delay) is not int or delay < 0:
             delay = checks.whole("delay", delay, 0, "count the samples")
         if delay > MOST_DELAY:
@@ -215,17 +214,6 @@ class Sampled:
         return found[np.argsort(np.abs(found))][: len(self.num) - 1]
 
 
-def _in_w(name: str, value: Sequence[float]) -> Sequence[float]:
-    """Return w-coefficients, checked; leading zeros are kept."""
-    if type(value) is tuple and value and all([type(c) is float and isfinite(c) for c in value]):
-        return value  # what zoh makes itself
-    way_out = "give the coefficients as a list of real numbers in descending powers of w"
-    items = checks.sequence(name, value, way_out)
-    if not items:
-        raise SpecError(name, "must have at least one coefficient", value, way_out)
-    return tuple(checks.number(f"{name}[{i}]", c, way_out) for i, c in enumerate(items))
-
-
 def sample_time(dt: object) -> float:
     """Return dt in s, or raise SpecError unless it is positive and finite."""
     return checks.positive("dt", dt, "give the sample time in seconds")
@@ -242,16 +230,6 @@ def _floats(values: Sequence[int], unit: int) -> Poly:
             "beyond 1e308",
             "count time in another unit",
         ) from None
-
-
-def _delay(num: Poly, den: Poly) -> int:
-    """Return how many poles at z = 0 are a delay: those that leave a causal rest.
-
-    >>> _delay((1.0,), (1.0, -0.5, 0.0, 0.0)), _delay((1.0, 2.0), (1.0, 0.0))
-    (2, 0)
-    """
-    at_zero = next(k for k, c in enumerate(reversed(den)) if c)
-    return min(at_zero, len(den) - len(num))
 
 
 def _in_z(a_w: Poly, dt: float) -> ComplexArray:
