@@ -6,6 +6,7 @@ from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
 from zoh.batch.compiled.between import estimate
 from zoh.batch.compiled.jit import compiled
+from zoh.batch.compiled.room import BLOCK, LANES, PAST, Pieces
 from zoh.batch.compiled.track import (
     AT_CREST,
     CREST,
@@ -29,7 +30,6 @@ from zoh.batch.compiled.track import (
     product,
     take,
 )
-from zoh.batch.compiled.work import BLOCK, LANES, PAST, Pieces
 from zoh.batch.tolerances import BAND
 
 _END = PAST + BLOCK
@@ -104,8 +104,6 @@ def every_sample(w: int, count: int, n: int, sign: float, full: float, k: float,
     else:
         signals(w, sign, size)
     note(block[Y], block[U], seen, full, k)
-    if n == 0:
-        return
     is_state = count == 1 and work.plant(w).markov[0] == 0.0  # the slope at a piece's end is then
     for piece in range(count):  # that at the next one's start
         if piece:
@@ -124,7 +122,8 @@ def every_sample(w: int, count: int, n: int, sign: float, full: float, k: float,
 def signals(w: int, sign: float, size: int) -> None:
     """Write what a block shows: output, effort, and slope, that of the next block, too."""
     m, block = work.motion(w), work.track(w).block
-    shown(m.output, sign, block, Y, size)
+    for i in range(PAST, _END):
+        block[Y, i] = sign * block[0, i]
     shown(m.effort, 1.0, block, U, size)
     product(work.pieces(w).slope0[0], sign, block, PAST, _END + LANES, size, block[RISE])
 
