@@ -49,7 +49,7 @@ def test_another_process_compiles_once(begun, capsys):
     said = capsys.readouterr()
     assert not said.out
     assert said.err.splitlines() == [
-        "zoh: compiling the fast arithmetic, once: some three minutes ...", "zoh: compiled",
+        "zoh: compiling the fast arithmetic, once: some two minutes ...", "zoh: compiled",
     ]  # fmt: skip
 
 

@@ -60,7 +60,7 @@ ARRAYS = Way(name="arrays", module="zoh.batch.arrays.run", least=16, chunk=4096,
 COMPILED = Way(
     name="compiled", module="zoh.batch.compiled.run", needs="numba", least=20_000, chunk=65536,
     block=262144,
-    starts="the first use compiles for some three minutes, later ones start at once",
+    starts="the first use compiles for some two minutes, later ones start at once",
 )  # fmt: skip
 WAYS: tuple[Way, ...] = (COMPILED, ARRAYS, SINGLE)
 """Every way, the fastest for very many loops first; the last one covers every job."""

@@ -25,7 +25,7 @@ _COMMAND = "from zoh.batch import first_use; first_use.{}"
 def kernel() -> machine.Kernel:
     """Return ``compiled.kernel.stretch``, compiled; say so on standard error where that is new."""
     if not _file().exists():
-        sys.stderr.write("zoh: compiling the fast arithmetic, once: some three minutes ...\n")
+        sys.stderr.write("zoh: compiling the fast arithmetic, once: some two minutes ...\n")
         made = _in_another_process("compile_and_keep()")
         sys.stderr.write("zoh: compiled\n" if made else "zoh: compiling here instead\n")
         if not made:

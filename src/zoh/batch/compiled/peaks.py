@@ -15,7 +15,7 @@ from zoh.batch.compiled.polynomials import (
     without,
 )
 
-_LAST = 1e-8  # relative: the error after a Newton's step as small as this is its square
+_LAST = 1e-6  # relative: the error after a Newton's step as small as this is its square
 _STEPS = 100
 _HALF = 0.5 * log(GRID[1] / GRID[0])
 
