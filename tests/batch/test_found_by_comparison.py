@@ -64,22 +64,31 @@ def test_a_crest_behind_a_corner_is_the_peak_in_every_arithmetic():
     assert truth["between.peak_time"][0] / asked["dt"] % 1 == pytest.approx(0.436, abs=1e-3)
 
 
-def first_crest(wc_dt, pm_deg):
-    """Return (overshoot in %, samples to it) of a PD on 1/s^2, to some 50 digits.
+def first_crest(law, wc_dt, pm_deg, rest):
+    """Return (overshoot in %, samples to it) of a PD or a lead on 1/s^2, to some 50 digits.
 
-    The hold makes 1/s^2 dt^2/2 (z + 1)/(z - 1)^2; the controller is kp + rate (z - 1)/(2 z), a PD
-    with its filter's pole at 2/dt, of the one complex gain that it must have at the crossover.
-    Z is (y, by what y moves without an input, the error of the sample before, 1).
+    The hold makes 1/s^2 dt^2/2 (z + 1)/(z - 1)^2. The controller is rest + r (z - 1)/(z - 1 + a)
+    and has one complex gain at the crossover, which is two equations: of a PD with its filter's
+    pole at 2/dt a is 1, of a lead rest is its gain at w = 0; dt is 1.
+    Z is (y, by what y moves without an input, the filter's x, 1), x moves by e - a x.
     """
     with mpmath.workdps(50):
         z = mpmath.expj(mpmath.mpf(wc_dt))
         wanted = -mpmath.expj(mpmath.radians(mpmath.mpf(pm_deg))) / ((z + 1) / (z - 1) ** 2 / 2)
-        ahead = (z - 1) / (2 * z)
-        rate = wanted.imag / ahead.imag
-        kp = wanted.real - rate * ahead.real
-        direct, before = kp + rate / 2, -rate / 2
-        u = mpmath.matrix([[-direct, 0, before, direct]])
-        moves = mpmath.matrix([[1, 1, 0, 0], [0, 1, 0, 0], [-1, 0, 0, 1], [0, 0, 0, 1]])
+        if law == "pd":
+            a = mpmath.mpf(1)
+            r = wanted.imag / ((z - 1) / z).imag
+            rest = wanted.real - r * ((z - 1) / z).real
+        else:  # r (z - 1) - a (wanted - rest) = (wanted - rest) (z - 1)
+            rest = mpmath.mpf(rest)
+            more = wanted - rest
+            right = more * (z - 1)
+            r, a = mpmath.lu_solve(
+                mpmath.matrix([[(z - 1).real, -more.real], [(z - 1).imag, -more.imag]]),
+                mpmath.matrix([right.real, right.imag]),
+            )
+        u = mpmath.matrix([[-(rest + r), 0, -r * a, rest + r]])
+        moves = mpmath.matrix([[1, 1, 0, 0], [0, 1, 0, 0], [-1, 0, 1 - a, 1], [0, 0, 0, 1]])
         moves += mpmath.matrix([[mpmath.mpf(1) / 2], [1], [0], [0]]) * u
         powers = [moves]
         while (powers[-1] * mpmath.matrix([0, 0, 0, 1]))[0] < 1:
@@ -92,14 +101,21 @@ def first_crest(wc_dt, pm_deg):
         return float(100 * ((moves * state)[0] - 1)), k + 1
 
 
-@pytest.mark.parametrize(("wc_dt", "pm_deg"), [(1e-4, 40), (1e-5, 55), (1e-6, 70)])
-def test_a_pd_far_below_nyquist_keeps_its_digits(wc_dt, pm_deg):
-    overshoot, k = first_crest(wc_dt, pm_deg)
+@pytest.mark.parametrize(
+    ("law", "wc_dt", "pm_deg"),
+    [("pd", 1e-4, 40), ("pd", 1e-5, 55), ("pd", 1e-6, 70), ("lead", 1e-3, 50), ("lead", 1e-5, 40)],
+)
+def test_a_lead_far_below_nyquist_keeps_its_digits(law, wc_dt, pm_deg):
     dt = 2.0**-10
+    wc = wc_dt / dt
+    rest = 0.3 * wc * wc
+    overshoot, k = first_crest(law, wc_dt, pm_deg, rest * dt * dt)
+    columns = {"wc": np.array([wc]), "pm_deg": np.array([float(pm_deg)])}
+    asked = {"dc_gain": rest} if law == "lead" else {}
     job = Job(
-        plant=zoh.Plant(num=[1], den=[1, 0, 0]), law="pd", dt=dt, varying=("wc", "pm_deg"),
+        plant=zoh.Plant(num=[1], den=[1, 0, 0]), law=law, dt=dt, asked=asked,
+        varying=("wc", "pm_deg"),
     )  # fmt: skip
-    columns = {"wc": np.array([wc_dt / dt]), "pm_deg": np.array([float(pm_deg)])}
     for found in fast(job, columns):
         assert found["overshoot_pct"][0] == pytest.approx(overshoot, rel=1e-12)
         # within one sample: y there is flat, and 1e-16 of it hides many of them
