@@ -4,7 +4,7 @@ What floats cannot decide is left to the single design, as by ``zoh.batch.arrays
 """
 
 from concurrent.futures import ThreadPoolExecutor
-from queue import SimpleQueue
+from threading import local
 
 import numpy as np
 import numpy.typing as npt
@@ -14,7 +14,7 @@ from zoh.batch.arrays.rows import Array, Mask
 from zoh.batch.arrays.run import Batch, batch, covers
 from zoh.batch.backend import CORES
 from zoh.batch.chunks import in_chunks
-from zoh.batch.columns import Columns, Results, empty, length
+from zoh.batch.columns import Columns, Results, length
 from zoh.batch.compiled import layout, places, room
 from zoh.batch.compiled.machine import Kernel
 from zoh.batch.figures import gain_names
@@ -58,16 +58,12 @@ def run(
     n, compute = length(job, columns), by or kernel()
     many = max(1, min(threads or CORES.get() or cores(), -(-n // _FEWEST)))
     chunk = min(CHUNK, max(_FEWEST, -(-n // (_TURNS * many))))
-    works = SimpleQueue[Array]()
-    for _ in range(many):
-        works.put(_work(job))
+    own = local()  # arrays of one core: new ones for each chunk would be new pages of memory
 
     def some(job: Job, columns: Columns, n: int) -> tuple[Results, Mask]:
-        floats = works.get()
-        try:
-            return _some(compute, floats, job, columns, n)
-        finally:
-            works.put(floats)
+        if not hasattr(own, "floats"):
+            own.floats, own.rows = _work(job), _rows(chunk)
+        return _some(compute, own.floats, [row[:n] for row in own.rows], job, columns, n)
 
     with ThreadPoolExecutor(many) as pool:
         return in_chunks(job, columns, chunk, some, pool.map)
@@ -91,22 +87,31 @@ def _work(job: Job) -> Array:
     return floats
 
 
+def _rows(n: int) -> list[Array]:
+    """Return room for gains, margins and metrics of so many loops, a row a loop."""
+    return [np.empty((n, many)) for many in (places.GAINS, places.MARGINS, places.STEPS)]
+
+
 def _some(
-    compute: Kernel, floats: Array, job: Job, columns: Columns, n: int
+    compute: Kernel, floats: Array, rows: list[Array], job: Job, columns: Columns, n: int
 ) -> tuple[Results, Mask]:
-    """Return (the results of a chunk, which loops are left to the single design)."""
+    """Return (the results of a chunk, which loops are left to the single design).
+
+    The results are views of the rows.
+    """
     wanted = batch(job, columns, n)
-    gains = np.full((n, places.GAINS), np.nan)
-    margin, step = np.full((n, places.MARGINS), np.nan), np.full((n, places.STEPS), np.nan)
+    for row in rows:
+        row.fill(np.nan)
     reason, left = np.full(n, Reason.MALFORMED, np.int8), ~wanted.regular
     reason[wanted.beyond] = Reason.BEYOND_NYQUIST
     asked = (wanted.num, wanted.den, wanted.dt, wanted.delay, wanted.lead, *_asked(job, wanted, n))
     read = [np.ascontiguousarray(row, np.float64) for row in asked]
     compute(
         floats.ctypes.data, places.CODES[job.law], len(wanted.den) - 1, n,
-        *(row.ctypes.data for row in (*read, gains, margin, step, reason, left)), job.reference,
+        *(row.ctypes.data for row in (*read, *rows)), reason.ctypes.data, left.ctypes.data,
+        job.reference,
     )  # fmt: skip
-    return _results(job, gains, margin, step, reason), left & ~wanted.beyond
+    return _results(job, rows, reason), left & ~wanted.beyond
 
 
 def _asked(job: Job, wanted: Batch, n: int) -> tuple[Array, Array, Array, Array]:
@@ -120,18 +125,13 @@ def _asked(job: Job, wanted: Batch, n: int) -> tuple[Array, Array, Array, Array]
     return asked["wc"], asked["pm_deg"], spare, asked.get("filter_pole", zero)
 
 
-def _results(
-    job: Job, gains: Array, margin: Array, step: Array, reason: npt.NDArray[np.int8]
-) -> Results:
-    out = empty(job, len(reason))
-    has = np.isin(reason, (Reason.OK, Reason.OFF_TARGET))
-    for place, name in enumerate(gain_names(job.law)):
-        out[name][:] = gains[:, place]
+def _results(job: Job, rows: list[Array], reason: npt.NDArray[np.int8]) -> Results:
+    """Return the columns of what was written; what is left may be written in part."""
+    gains, margin, step = rows
+    out: Results = {name: gains[:, place] for place, name in enumerate(gain_names(job.law))}
     for names, values in ((_MARGINS, margin), (_STEPS, step)):
-        for name, place in names.items():
-            if name in out:
-                np.copyto(out[name], values[:, place], where=has)
-    out["stable"][:], out["reason"][:] = has, reason
+        out |= {name: values[:, place] for name, place in names.items()}
+    out["stable"], out["reason"] = np.isin(reason, (Reason.OK, Reason.OFF_TARGET)), reason
     return out
 
 
