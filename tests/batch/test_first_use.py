@@ -1,5 +1,7 @@
 """The compiled arithmetic is compiled by another process, once, and that is said."""
 
+import ctypes
+import subprocess
 import sys
 from subprocess import CompletedProcess
 
@@ -7,60 +9,100 @@ import pytest
 
 pytest.importorskip("numba", reason="the compiled arithmetic needs numba: zoh[fast]")
 
-from zoh.batch import backend, first_use
+from numba.core import config
+
+from zoh.batch import first_use
+from zoh.batch.compiled import kernel, machine
+from zoh.batch.compiled.addresses import numbers
+from zoh.batch.compiled.jit import object_file
 
 
 @pytest.fixture
 def begun(monkeypatch, tmp_path):
-    """Return the commands that are begun; the mark is looked for in a folder of the test's."""
-    commands, mark = [], tmp_path / "mark"
-    code = {"code": 0}
+    """Return the commands that are begun, each keeping a file; it is looked for in tmp_path."""
+    commands, file = [], tmp_path / "kernel.o"
+    does = {"code": 0}
 
     def run(command, check, stderr):
         assert not check
-        assert stderr == first_use.subprocess.DEVNULL  # one line says that it failed
+        assert stderr == subprocess.DEVNULL  # one line says that it failed
         commands.append(command)
-        return CompletedProcess(command, code["code"])
+        if not does["code"]:
+            file.write_bytes(b"name\ncode\nand more")
+        return CompletedProcess(command, does["code"])
 
-    monkeypatch.setattr(first_use, "_mark", lambda: mark)
+    monkeypatch.setattr(first_use, "_file", lambda: file)
     monkeypatch.setattr(first_use.subprocess, "run", run)
-    first_use.ready.cache_clear()
-    yield commands, mark, code
-    first_use.ready.cache_clear()
+    monkeypatch.setattr(machine, "loaded", lambda name, code: (name, code))
+    first_use.kernel.cache_clear()
+    yield commands, file, does
+    first_use.kernel.cache_clear()
 
 
 def test_another_process_compiles_once(begun, capsys):
     commands, _, _ = begun
-    first_use.ready()
-    first_use.ready()
+    assert first_use.kernel() == ("name", b"code\nand more")
+    first_use.kernel()
     assert len(commands) == 1
     assert commands[0][:2] == [sys.executable, "-c"]
-    assert "compile_and_mark" in commands[0][2]
+    assert "compile_and_keep" in commands[0][2]
     said = capsys.readouterr()
     assert not said.out
     assert said.err.splitlines() == [
-        "zoh: compiling the fast arithmetic, once: some three minutes ...", "zoh: compiled",
+        "zoh: compiling the fast arithmetic, once: some two minutes ...", "zoh: compiled",
     ]  # fmt: skip
 
 
 def test_what_is_kept_is_not_compiled_again(begun, capsys):
-    commands, mark, _ = begun
-    mark.touch()
-    first_use.ready()
+    commands, file, _ = begun
+    file.write_bytes(b"a\nb")
+    assert first_use.kernel() == ("a", b"b")
     assert not commands
     assert not capsys.readouterr().err
 
 
-def test_where_that_process_fails_this_one_goes_on(begun, capsys):
-    _, _, code = begun
-    code["code"] = 1
-    first_use.ready()
+def test_where_that_process_fails_this_one_goes_on(begun, capsys, monkeypatch):
+    _, _, does = begun
+    does["code"] = 1
+    monkeypatch.setattr(kernel, "machine_code", lambda: ("here", b""))
+    assert first_use.kernel() == ("here", b"")
     assert capsys.readouterr().err.splitlines()[-1] == "zoh: compiling here instead"
 
 
-def test_a_way_is_made_ready_before_it_runs(monkeypatch):
-    order = []
-    monkeypatch.setattr(first_use, "ready", lambda: order.append("ready"))
-    monkeypatch.setattr("zoh.batch.compiled.run.run", lambda job, columns: order.append("run"))
-    backend.COMPILED.run(None, {})
-    assert order == ["ready", "run"]
+def test_what_was_made_is_tried_before_it_is_kept(begun, monkeypatch):
+    commands, file, does = begun
+    monkeypatch.setattr(kernel, "machine_code", lambda: ("new", b"\n\0code"))
+    does["code"] = 1
+    with pytest.raises(OSError, match="does not run"):
+        first_use.compile_and_keep()
+    assert not file.exists()
+    does["code"] = 0
+    first_use.compile_and_keep()
+    assert file.read_bytes() == b"new\n\n\0code"
+    assert all("try_it" in command[2] for command in commands)
+
+
+def test_a_start_needs_no_numba():
+    code = (
+        "import sys\n"
+        "from zoh.batch.compiled import run\n"
+        "from zoh.batch import first_use\n"
+        "first_use._file()\n"
+        "print('numba' in sys.modules, 'llvmlite' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["False", "True"]
+
+
+def _writes(a, b, c, d, e, f, g, h, i, j, k, m, n, o, p, q, r, s, factor):
+    from_b = b + c + d + e + f + g + h + i + j + k + m + n + o + p + q + r + s
+    numbers(a)[0] = factor * from_b
+
+
+def test_machine_code_is_a_function_of_addresses():
+    before = config.SLP_VECTORIZE
+    name, code = object_file(_writes, machine.WHOLES)
+    assert config.SLP_VECTORIZE == before
+    place = ctypes.c_double()
+    machine.loaded(name, code)(ctypes.addressof(place), *range(2, 1 + machine.WHOLES), 0.25)
+    assert place.value == 0.25 * sum(range(2, 1 + machine.WHOLES))

@@ -1,5 +1,8 @@
 """Loops on which an arithmetic once differed from the single design: each by another road, too."""
 
+from importlib.util import find_spec
+
+import mpmath
 import numpy as np
 import pytest
 
@@ -59,3 +62,70 @@ def test_a_crest_behind_a_corner_is_the_peak_in_every_arithmetic():
             # 1e-7: where a crest is, is known to half the digits of how high it is
             assert found[name][0] == pytest.approx(truth[name][0], rel=1e-7)
     assert truth["between.peak_time"][0] / asked["dt"] % 1 == pytest.approx(0.436, abs=1e-3)
+
+
+def first_crest(law, wc_dt, pm_deg, rest):
+    """Return (overshoot in %, samples to it) of a PD or a lead on 1/s^2, to some 50 digits.
+
+    The hold makes 1/s^2 dt^2/2 (z + 1)/(z - 1)^2. The controller is rest + r (z - 1)/(z - 1 + a)
+    and has one complex gain at the crossover, which is two equations: of a PD with its filter's
+    pole at 2/dt a is 1, of a lead rest is its gain at w = 0; dt is 1.
+    Z is (y, by what y moves without an input, the filter's x, 1), x moves by e - a x.
+    """
+    with mpmath.workdps(50):
+        z = mpmath.expj(mpmath.mpf(wc_dt))
+        wanted = -mpmath.expj(mpmath.radians(mpmath.mpf(pm_deg))) / ((z + 1) / (z - 1) ** 2 / 2)
+        if law == "pd":
+            a = mpmath.mpf(1)
+            r = wanted.imag / ((z - 1) / z).imag
+            rest = wanted.real - r * ((z - 1) / z).real
+        else:  # r (z - 1) - a (wanted - rest) = (wanted - rest) (z - 1)
+            rest = mpmath.mpf(rest)
+            more = wanted - rest
+            right = more * (z - 1)
+            r, a = mpmath.lu_solve(
+                mpmath.matrix([[(z - 1).real, -more.real], [(z - 1).imag, -more.imag]]),
+                mpmath.matrix([right.real, right.imag]),
+            )
+        u = mpmath.matrix([[-(rest + r), 0, -r * a, rest + r]])
+        moves = mpmath.matrix([[1, 1, 0, 0], [0, 1, 0, 0], [-1, 0, 1 - a, 1], [0, 0, 0, 1]])
+        moves += mpmath.matrix([[mpmath.mpf(1) / 2], [1], [0], [0]]) * u
+        powers = [moves]
+        while (powers[-1] * mpmath.matrix([0, 0, 0, 1]))[0] < 1:
+            powers.append(powers[-1] * powers[-1])
+        state, k = mpmath.matrix([0, 0, 0, 1]), 0
+        for level in range(len(powers) - 1, -1, -1):  # as long as y rises, from there on too
+            there = powers[level] * state
+            if (moves * there - there)[0] > 0:
+                state, k = there, k + 2**level
+        return float(100 * ((moves * state)[0] - 1)), k + 1
+
+
+@pytest.mark.parametrize(
+    ("law", "wc_dt", "pm_deg"),
+    [("pd", 1e-4, 40), ("pd", 1e-5, 55), ("pd", 1e-6, 70), ("lead", 1e-3, 50), ("lead", 1e-5, 40)],
+)
+def test_a_lead_far_below_nyquist_keeps_its_digits(law, wc_dt, pm_deg):
+    dt = 2.0**-10
+    wc = wc_dt / dt
+    rest = 0.3 * wc * wc
+    overshoot, k = first_crest(law, wc_dt, pm_deg, rest * dt * dt)
+    columns = {"wc": np.array([wc]), "pm_deg": np.array([float(pm_deg)])}
+    asked = {"dc_gain": rest} if law == "lead" else {}
+    job = Job(
+        plant=zoh.Plant(num=[1], den=[1, 0, 0]), law=law, dt=dt, asked=asked,
+        varying=("wc", "pm_deg"),
+    )  # fmt: skip
+    for found in fast(job, columns):
+        assert found["overshoot_pct"][0] == pytest.approx(overshoot, rel=1e-12)
+        # within one sample: y there is flat, and 1e-16 of it hides many of them
+        assert found["peak_time"][0] / dt == pytest.approx(k, rel=1e-6)
+
+
+def fast(job, columns):
+    """Yield what the fast arithmetics find."""
+    yield arrays.run(job, columns)
+    if find_spec("numba"):
+        from zoh.batch.compiled import run as compiled
+
+        yield compiled.run(job, columns, threads=1)

@@ -15,11 +15,12 @@ class Two(NamedTuple):
 
 def test_compiled_code_writes_where_python_reads():
     numba = pytest.importorskip("numba", reason="the compiled arithmetic needs numba: zoh[fast]")
+    from zoh.batch.compiled.addresses import arrays
     from zoh.batch.compiled.layout import Layout, stretch
 
     before = Layout(Two, 0, row=(3,), square=(1, 1))
     layout = Layout(Two, before.end, square=(2, 2), row=(5,))  # in this order behind the others
-    at = layout.at
+    at = arrays(layout)
 
     @numba.njit
     def write(address, i, j):
@@ -33,19 +34,3 @@ def test_compiled_code_writes_where_python_reads():
     assert seen.square.tolist() == [[0, 0], [7, 0]]
     assert np.count_nonzero(floats) == 2
     assert floats.ctypes.data % 64 == 0
-
-
-def test_how_others_compile_is_left_as_it_was():
-    pytest.importorskip("numba", reason="the compiled arithmetic needs numba: zoh[fast]")
-    from numba.core import config
-
-    from zoh.batch.compiled.jit import side_by_side
-
-    def broken(signature):
-        assert vars(config)["SLP_VECTORIZE"] == 1
-        raise TypeError(signature)
-
-    before = vars(config)["SLP_VECTORIZE"]
-    with pytest.raises(TypeError, match="float64"):
-        side_by_side(broken)("float64")
-    assert vars(config)["SLP_VECTORIZE"] == before

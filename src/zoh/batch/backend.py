@@ -29,7 +29,6 @@ class Way:
     least   the number of loops from which on it is faster than the way after it
     chunk   how many loops it is given at once;  block  how many make one block of a long sweep
     starts  what to say of its first use, empty where there is nothing to wait for
-    readies the module whose ``ready`` comes before every run, empty where nothing must
     """
 
     name: str
@@ -39,7 +38,6 @@ class Way:
     chunk: int = 1
     block: int = 1
     starts: str = ""
-    readies: str = ""
 
     @property
     def installed(self) -> bool:
@@ -52,8 +50,6 @@ class Way:
 
     def run(self, job: Job, columns: Columns) -> Results:
         """Return the columns of results of a batch."""
-        if self.readies:
-            cast(Callable[[], None], import_module(self.readies).ready)()
         return cast("Callable[[Job, Columns], Results]", import_module(self.module).run)(
             job, columns
         )
@@ -63,8 +59,8 @@ SINGLE = Way(name="single", module="zoh.batch.single", chunk=64, block=256)
 ARRAYS = Way(name="arrays", module="zoh.batch.arrays.run", least=16, chunk=4096, block=65536)
 COMPILED = Way(
     name="compiled", module="zoh.batch.compiled.run", needs="numba", least=20_000, chunk=65536,
-    block=262144, readies="zoh.batch.first_use",
-    starts="the first use compiles for some three minutes, later ones start at once",
+    block=262144,
+    starts="the first use compiles for some two minutes, later ones start at once",
 )  # fmt: skip
 WAYS: tuple[Way, ...] = (COMPILED, ARRAYS, SINGLE)
 """Every way, the fastest for very many loops first; the last one covers every job."""

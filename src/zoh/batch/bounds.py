@@ -15,6 +15,7 @@ from zoh.spec import Requirements
 Bools = npt.NDArray[np.bool_]
 Values = npt.NDArray[np.float64]
 
+NOTHING_ASKED = Requirements()
 _EQUAL = 1e-9  # what equals a bound but for rounding meets it, as in the single design
 
 

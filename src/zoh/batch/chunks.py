@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterable
 import numpy as np
 import numpy.typing as npt
 
-from zoh.batch import single
 from zoh.batch.columns import Columns, Results, empty, length
 from zoh.batch.job import Job
 
@@ -30,6 +29,8 @@ def in_chunks(job: Job, columns: Columns, chunk: int, some: Some, each: Each = m
         for name, values in found.items():
             out[name][part] = values
         if len(which):
+            from zoh.batch import single  # what it needs is not needed where nothing is left
+
             again = single.run(job, {key: values[which] for key, values in here.items()})
             for name, values in again.items():
                 out[name][start + which] = values

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from zoh.analysis.verify import NOTHING_ASKED
 from zoh.batch import bounds
 from zoh.batch.blocks import Plan, Task, versions
 from zoh.batch.extras import needed
@@ -37,7 +36,7 @@ _MARK = "zoh"  # the attribute that says of which sweep a store is
 
 
 def sweep_to(
-    path: str, job: Job, over: Over, *, requirements: Requirements = NOTHING_ASKED,
+    path: str, job: Job, over: Over, *, requirements: Requirements = bounds.NOTHING_ASKED,
     keep: Sequence[str] | None = None, arithmetic: str | None = None, block: int | None = None,
     client: Any = None, progress: Progress | None = None,
 ) -> Summary:  # fmt: skip

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from zoh.analysis.verify import NOTHING_ASKED
 from zoh.batch import backend, bounds
 from zoh.batch.blocks import Plan, Task
 from zoh.batch.job import Job
@@ -29,7 +28,7 @@ def sweep(
     plant: Source, law: str, given: Mapping[str, float] | None = None, *, over: Over,
     dt: float | None = None, compute_delay: float = 0.0, controller: Sampled | None = None,
     reference: float = 1.0, sections: Sequence[SecondOrder] = (),
-    requirements: Requirements = NOTHING_ASKED, arithmetic: str | None = None,
+    requirements: Requirements = bounds.NOTHING_ASKED, arithmetic: str | None = None,
     client: Any = None, progress: Progress | None = None,
 ) -> Sweep:  # fmt: skip
     """Return every loop of a space, each designed, measured and verified as ``zoh.design`` does.
@@ -70,7 +69,7 @@ def sweep(
 
 
 def sweep_of(
-    job: Job, over: Over, *, requirements: Requirements = NOTHING_ASKED,
+    job: Job, over: Over, *, requirements: Requirements = bounds.NOTHING_ASKED,
     arithmetic: str | None = None, client: Any = None, progress: Progress | None = None,
 ) -> Sweep:  # fmt: skip
     """Return every loop of a space, of a job that is already put together; as ``sweep`` does."""
@@ -89,7 +88,7 @@ def sweep_of(
 
 
 def sweep_summary(
-    job: Job, over: Over, *, requirements: Requirements = NOTHING_ASKED,
+    job: Job, over: Over, *, requirements: Requirements = bounds.NOTHING_ASKED,
     arithmetic: str | None = None, block: int | None = None, client: Any = None,
     progress: Progress | None = None,
 ) -> Summary:  # fmt: skip

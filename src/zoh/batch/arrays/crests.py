@@ -131,7 +131,10 @@ def _joined(found: list[Crests], above: Array) -> Crests:
 
 def _part(motion: Motion, row: Array, size: Array, crests: Crests) -> Part:
     who = crests.who
-    return Part(delta=motion.delta[:, :, who], output=row[:, who], size=size[who])
+    return Part(
+        delta=motion.delta[:, :, who], start=motion.start[:, who], output=row[:, who],
+        size=size[who],
+    )  # fmt: skip
 
 
 def _crest(part: Part, crests: Crests) -> tuple[Array, Array]:

@@ -16,6 +16,7 @@ from zoh.batch.tolerances import SAME_TURN
 from zoh.lti.systems import Sampled
 
 Array = npt.NDArray[np.float64]
+Mask = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,8 +37,9 @@ class Wanted:
 class Solved:
     """num, den in p, rows of ascending powers; the gains by name.
 
-    moves   of the same controller at the samples, shape (c, c, B): x moves by moves x + enters e,
-            u = residues x + direct e;  enters, residues have the shape (c, B)
+    moves   of the same controller at the samples, shape (c, c, B): x moves by moves x + enters e
+            + leads (what e moves by), x = leads e at first, u = residues x + direct e;  enters,
+            leads, residues have the shape (c, B)
     room    rad, how far the phase needed is inside what the law can give; below 0 outside
     """
 
@@ -46,6 +48,7 @@ class Solved:
     direct: Array
     moves: Array
     enters: Array
+    leads: Array
     residues: Array
     gains: Mapping[str, Array]
     room: Array
@@ -53,14 +56,22 @@ class Solved:
     @classmethod
     def of_poles(
         cls, *, num: Array, den: Array, direct: Array, poles: Array, residues: Array,
-        gains: Mapping[str, Array], room: Array,
+        gains: Mapping[str, Array], room: Array, led: Mask | None = None,
     ) -> "Solved":  # fmt: skip
-        """Return what is direct + sum residues/(z - 1 + poles) at the samples."""
+        """Return what is direct + sum residues/(z - 1 + poles) at the samples.
+
+        Those that are ``led``, shape (c,), are residues (z - 1)/(z - 1 + poles) instead: what a
+        lead adds to its gain at rest. As the difference of a large direct part and what is nearly
+        as large, that would be rounding alone where the loop is far below Nyquist's frequency.
+        """
         moves = np.zeros((len(poles), len(poles), len(direct)))
         for j, pole in enumerate(poles):
             moves[j, j] = -pole
+        leads = np.zeros_like(residues)
+        if led is not None:
+            leads[led] = 1.0
         return cls(
-            num=num, den=den, direct=direct, moves=moves, enters=np.ones_like(residues),
+            num=num, den=den, direct=direct, moves=moves, enters=1.0 - leads, leads=leads,
             residues=residues, gains=gains, room=room,
         )  # fmt: skip
 
@@ -102,14 +113,15 @@ def pd(at: Wanted, given: Mapping[str, Array]) -> Solved:
     gains = {name: gain for name, gain in found.gains.items() if name != "ki"}
     return Solved(
         num=found.num[1:], den=found.den[1:], direct=found.direct, moves=found.moves[1:, 1:],
-        enters=found.enters[1:], residues=found.residues[1:], gains=gains, room=found.room,
+        enters=found.enters[1:], leads=found.leads[1:], residues=found.residues[1:], gains=gains,
+        room=found.room,
     )  # fmt: skip
 
 
 def pid(at: Wanted, given: Mapping[str, Array]) -> Solved:
     """Return kp, kd of the given ki; the filter's pole is ``filter_pole``, or 2/dt.
 
-    With c = 1/(1 + lag), p/(1 + lag p) is c - 2 c^2/(z - 1 + 2 c).
+    With c = 1/(1 + lag), p/(1 + lag p) is c (z - 1)/(z - 1 + 2 c).
     """
     ki, half = given["ki"], at.dt / 2
     lag = 1 / (given["filter_pole"] * half) if "filter_pole" in given else np.ones_like(half)
@@ -127,9 +139,10 @@ def pid(at: Wanted, given: Mapping[str, Array]) -> Solved:
     return Solved.of_poles(
         num=np.stack([share, kp + share * lag, kp * lag + rate]),
         den=np.stack([np.zeros_like(kp), np.ones_like(kp), lag]),
-        direct=kp + share + rate * c,
+        direct=kp + share,
         poles=np.stack([np.zeros_like(kp), 2 * c]),
-        residues=np.stack([2 * share, -2 * rate * c * c]),
+        residues=np.stack([2 * share, rate * c]),
+        led=np.array([False, True]),
         gains={"kp": kp, "ki": ki, "kd": rate * half, "filter_pole": 1 / (lag * half)},
         room=np.where(reach < 1, np.minimum(at.theta - low, bend - at.theta), -1.0),
     )
@@ -140,7 +153,7 @@ def lag(at: Wanted, given: Mapping[str, Array]) -> Solved:
     ratio = given["dc_gain"] * at.size
     with np.errstate(invalid="ignore"):
         inside = np.minimum(at.theta + np.arccos(1 / ratio), -at.theta)
-    return _section(at, given["dc_gain"], np.where(ratio > 1, inside, -1.0))
+    return _section(at, given["dc_gain"], np.where(ratio > 1, inside, -1.0), led=False)
 
 
 def lead(at: Wanted, given: Mapping[str, Array]) -> Solved:
@@ -148,11 +161,14 @@ def lead(at: Wanted, given: Mapping[str, Array]) -> Solved:
     ratio = given["dc_gain"] * at.size
     with np.errstate(invalid="ignore"):
         inside = np.minimum(at.theta, np.arccos(ratio) - at.theta)
-    return _section(at, given["dc_gain"], np.where(ratio < 1, inside, -1.0))
+    return _section(at, given["dc_gain"], np.where(ratio < 1, inside, -1.0), led=True)
 
 
-def _section(at: Wanted, dc_gain: Array, room: Array) -> Solved:
-    """Return a0 (1 + p/z)/(1 + p/q): with c = 1/(1 + 1/q), h + (a0 - h) 2 c/(z - 1 + 2 c)."""
+def _section(at: Wanted, dc_gain: Array, room: Array, led: bool) -> Solved:
+    """Return a0 (1 + p/z)/(1 + p/q): with c = 1/(1 + 1/q), h + (a0 - h) 2 c/(z - 1 + 2 c).
+
+    Or, ``led``, a0 + (h - a0) (z - 1)/(z - 1 + 2 c): the smaller part is the direct one.
+    """
     ratio, turn = dc_gain * at.size, at.x * np.sin(at.theta)
     with np.errstate(divide="ignore", invalid="ignore"):
         zero, pole = turn / (1 / ratio - np.cos(at.theta)), turn / (np.cos(at.theta) - ratio)
@@ -162,8 +178,9 @@ def _section(at: Wanted, dc_gain: Array, room: Array) -> Solved:
         far = (num[0] + num[1]) * c
     rate = 2 / at.dt
     return Solved.of_poles(
-        num=num, den=den, direct=far, poles=2 * c[None, :],
-        residues=((dc_gain - far) * 2 * c)[None, :],
+        num=num, den=den, direct=dc_gain if led else far, poles=2 * c[None, :],
+        residues=(far - dc_gain if led else (dc_gain - far) * 2 * c)[None, :],
+        led=np.array([led]),
         gains={"dc_gain": dc_gain, "w0": zero * rate, "wp": pole * rate}, room=room,
     )  # fmt: skip
 
@@ -189,7 +206,8 @@ def given(controller: Sampled, count: int) -> Solved:
 
     return Solved(
         num=many(num), den=many(den), direct=np.full(count, direct), moves=many(moves),
-        enters=many(enters), residues=many(np.array(c)), gains={}, room=np.ones(count),
+        enters=many(enters), leads=many(np.zeros(n)), residues=many(np.array(c)), gains={},
+        room=np.ones(count),
     )  # fmt: skip
 
 

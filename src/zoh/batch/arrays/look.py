@@ -51,6 +51,7 @@ class Part:
     """Some of the loops, looked at where a long stride met something."""
 
     delta: Array
+    start: Array
     output: Array
     size: Array
     _doubled: list[Array] = field(default_factory=list)
@@ -59,8 +60,9 @@ class Part:
     def of(cls, motion: Motion, sign: Array, size: Array, who: Index) -> "Part":
         """Return these loops, y counted in the direction of its final value."""
         return cls(
-            delta=motion.delta[:, :, who], output=motion.output[:, who] * sign[who], size=size[who]
-        )
+            delta=motion.delta[:, :, who], start=motion.start[:, who],
+            output=motion.output[:, who] * sign[who], size=size[who],
+        )  # fmt: skip
 
     def y(self, z: Array) -> Array:
         """Return y at Z."""
@@ -84,8 +86,7 @@ class Part:
 
     def state(self, k: Array) -> Array:
         """Return Z at sample k, by squaring."""
-        z, bits, level = np.zeros(self.output.shape), k.astype(np.int64), 0
-        z[-1] = 1.0
+        z, bits, level = self.start, k.astype(np.int64), 0
         while bits.any():
             if (bits & 1).any():
                 z = np.where(bits & 1, z + moved(self.doubled(level), z), z)

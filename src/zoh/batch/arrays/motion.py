@@ -23,10 +23,12 @@ _ROOTS = 40  # Aberth's steps at most: the roots need no more than three digits 
 class Motion:
     """delta, shape (N, N, B); output, effort: rows on Z, shape (N, B); final, shape (B,).
 
+    start           Z as the reference steps, shape (N, B)
     final, at_rest  what y and u settle to
     """
 
     delta: Array
+    start: Array
     output: Array
     effort: Array
     final: Array
@@ -35,13 +37,17 @@ class Motion:
     def only(self, keep: Mask | npt.NDArray[np.int64]) -> "Motion":
         """Return some of the loops."""
         return Motion(
-            delta=self.delta[:, :, keep], output=self.output[:, keep],
-            effort=self.effort[:, keep], final=self.final[keep], at_rest=self.at_rest[keep],
+            delta=self.delta[:, :, keep], start=self.start[:, keep],
+            output=self.output[:, keep], effort=self.effort[:, keep],
+            final=self.final[keep], at_rest=self.at_rest[keep],
         )  # fmt: skip
 
 
 def motion(plant: Held, law: Solved, delay: int) -> Motion:
-    """Return the motion of loops whose plants are all ``delay`` whole samples late."""
+    """Return the motion of loops whose plants are all ``delay`` whole samples late.
+
+    What e moves by is taken from what the plant's first state does, never as a difference.
+    """
     n, c, count = len(plant.before), len(law.residues), len(law.direct)
     own, one = n + delay, n + delay + c
     output, effort = np.zeros((2, one + 1, count))
@@ -69,10 +75,13 @@ def motion(plant: Held, law: Solved, delay: int) -> Motion:
         delta[own + j] -= law.enters[j] * output
         delta[own + j, one] += law.enters[j]
         delta[own + j, own:one] += law.moves[j]
+        delta[own + j] -= law.leads[j] * delta[0]
+    start = np.zeros((one + 1, count))
+    start[own:one], start[one] = law.leads, 1.0
     top = law.num[0] * plant.num[0]
     bottom = law.den[0] * plant.den[0]
     return Motion(
-        delta=delta, output=output, effort=effort, final=top / (top + bottom),
+        delta=delta, start=start, output=output, effort=effort, final=top / (top + bottom),
         at_rest=law.num[0] * plant.den[0] / (top + bottom),
     )  # fmt: skip
 

@@ -60,8 +60,7 @@ def _followed(
     at_crest = np.zeros(motion.output.shape)
     modes = Modes.of(z, len(motion.delta))
     lanes, moved = np.arange(count), motion.delta
-    state, k = np.zeros(motion.output.shape), np.zeros(count)
-    state[-1] = 1.0
+    state, k = motion.start.copy(), np.zeros(count)
     for level in range(LEVELS):
         stride = 2.0**level
         here = np.arange(len(lanes))

@@ -8,7 +8,7 @@ from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
 from zoh.batch.compiled.jit import compiled, shared
 from zoh.batch.compiled.plant import advanced
-from zoh.batch.compiled.work import PART, WHOLE, Pieces, Plant
+from zoh.batch.compiled.room import PART, WHOLE, Pieces, Plant
 from zoh.batch.tolerances import REACH, TAYLOR
 
 _LAST = 1e-9  # of the piece: the error after a Newton's step as small as this is its square
@@ -24,8 +24,8 @@ def cut(w: int, n: int, delay: int, lead: float, size: int) -> int:
     q.ends[0], q.ends[count] = 0.0, 1.0
     if count == 2:
         q.ends[1] = 1.0 - lead
-    halvings, terms = 0, int(p.numbers[4])
-    while 2.0**halvings < p.numbers[1]:
+    halvings, terms = 0, int(p.numbers[3])
+    while 2.0**halvings < p.numbers[0]:
         halvings += 1
     for i in range(n):
         for j in range(size):
@@ -42,9 +42,7 @@ def cut(w: int, n: int, delay: int, lead: float, size: int) -> int:
         which = PART if count == 2 else WHOLE
         moved(q, piece, n, size, p.delta[which], p.enters[which])
         for j in range(size):
-            through = p.numbers[0] * q.input[piece, j]
-            q.y0[piece, j] = q.state[piece, 0, j] + through if n else through
-            q.y1[piece, j] = q.state[piece + 1, 0, j] + through if n else through
+            q.y0[piece, j], q.y1[piece, j] = q.state[piece, 0, j], q.state[piece + 1, 0, j]
             q.slope0[piece, j] = slope(q, p, piece, piece, n, j)
             q.slope1[piece, j] = slope(q, p, piece + 1, piece, n, j)
     return count
@@ -64,10 +62,8 @@ def moved(q: Pieces, piece: int, n: int, size: int, delta: Array, b: Array) -> N
 @compiled
 def slope(q: Pieces, p: Plant, state: int, piece: int, n: int, j: int) -> float:
     """Return an element of dy/dt per sample as a row on Z."""
-    if n == 0:
-        return 0.0
     of_state = q.state[state, 1, j] if n > 1 else p.rows[1, 0] * q.state[state, 0, j]
-    whole: float = (of_state + p.markov[0] * q.input[piece, j]) * p.numbers[1]
+    whole: float = (of_state + p.markov[0] * q.input[piece, j]) * p.numbers[0]
     return whole
 
 
@@ -88,11 +84,19 @@ def crest(
     w: int, piece: int, n: int, z: Array, sign: float, size: int
 ) -> tuple[float, float, bool]:
     """Return (the height of the crest in a piece at Z, its time in samples, whether known)."""
+    if n == 2:  # of the usual order the compiler knows every place beforehand
+        return crest_of(w, piece, 2, z, sign, size)
+    return crest_of(w, piece, n, z, sign, size)
+
+
+@compiled
+def crest_of(
+    w: int, piece: int, n: int, z: Array, sign: float, size: int
+) -> tuple[float, float, bool]:
+    """Do what ``crest`` does."""
     p, q = work.plant(w), work.pieces(w)
-    if n == 0:
-        return -inf, 0.0, True
-    g, span = q.series, (q.ends[piece + 1] - q.ends[piece]) * p.numbers[1]
-    reach = p.numbers[2] * (q.ends[piece + 1] - q.ends[piece])
+    g, h, span = q.series, q.slopes, (q.ends[piece + 1] - q.ends[piece]) * p.numbers[0]
+    reach = p.numbers[1] * (q.ends[piece + 1] - q.ends[piece])
     u = 0.0
     for j in range(size):
         u += sign * q.input[piece, j] * z[j]
@@ -112,20 +116,19 @@ def crest(
         for i in range(n):
             total += p.rows[n, i] * g[terms - n + i]
         g[terms] = total
-    weight = 1.0
+    weight, falls = 1.0, 0.0
     for k in range(1, terms + 1):
         weight *= span * _PART[k]
         g[k] *= weight
+        h[k] = k * g[k]
+        falls += h[k]
     height, when = -inf, 0.0
-    falls = 0.0
-    for k in range(1, terms + 1):
-        falls += k * g[k]
     if g[1] > 0.0 > falls:
-        t = turning(g, terms, near(g, g[1] / (g[1] - falls)))
+        t = turning(h, terms, near(g, g[1] / (g[1] - falls)))
         value = g[terms]
         for k in range(terms - 1, -1, -1):
             value = value * t + g[k]
-        height = value + p.numbers[0] * u
+        height = value
         when = q.ends[piece] + t * (q.ends[piece + 1] - q.ends[piece])
     return height, when, reach <= REACH
 
@@ -139,14 +142,14 @@ def near(g: Array, t: float) -> float:
 
 
 @compiled
-def turning(g: Array, terms: int, t: float) -> float:
-    """Return where the slope of the series changes from rising to falling in (0, 1)."""
+def turning(h: Array, terms: int, t: float) -> float:
+    """Return where the slope, the sum of h_k t^(k-1), changes from rising to falling in (0, 1)."""
     low, high, new = 0.0, 1.0, t
     for _ in range(60):
-        f, df = terms * g[terms], 0.0
+        f, df = h[terms], 0.0
         for k in range(terms - 1, 0, -1):
             df = df * t + f
-            f = f * t + k * g[k]
+            f = f * t + h[k]
         if f == 0.0:
             return t
         if f > 0.0:

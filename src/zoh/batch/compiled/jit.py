@@ -1,18 +1,13 @@
-"""How every function here is compiled: once, kept on disk, free of Python's lock.
+"""How every function here is compiled: for this processor, free of Python's lock and of Python.
 
 A product and a sum may be fused, nothing may be reordered; a division by 0 is inf, as in NumPy.
-What is kept on disk is known by one file's time alone, and would be used after a change in
-another file that it calls. So only ``kept`` functions are, and they carry a stamp of the whole
-folder in a variable that the key takes in.
 """
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager
-from hashlib import sha256
-from importlib.resources import files
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
-from numba import njit
+from numba import njit, types
 from numba.core import config
 from numba.core.compiler_lock import global_compiler_lock
 
@@ -21,44 +16,39 @@ Function = TypeVar("Function", bound=Callable[..., object])
 
 def compiled(function: Function) -> Function:
     """Return the function, compiled into each place that calls it: no arrays are passed."""
-    made = njit(nogil=True, error_model="numpy", fastmath={"contract"}, forceinline=True)(function)
+    made = njit(error_model="numpy", fastmath={"contract"}, forceinline=True)(function)
     return cast(Function, made)
 
 
 def shared(function: Function) -> Function:
-    """Return the function, compiled once for all who call it: it is long, or called from many."""
-    made = njit(nogil=True, error_model="numpy", fastmath={"contract"})(function)
-    return cast(Function, made)
+    """Return the function, compiled once for all who call it: it is long, or called from many.
 
-
-def kept(function: Function) -> Function:
-    """Return the function, compiled when it is first called and kept on disk."""
-    made = njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})(function)
-    vars(made)["compile"] = side_by_side(made.compile)
-    return cast(Function, made)
-
-
-def side_by_side(plain: Callable[..., object]) -> Callable[..., object]:
-    """Return what compiles as ``plain``, equal operations in a row done as one: SLP.
-
-    numba leaves that out unless its own setting says otherwise, which others' code goes by, too.
+    That must be said: what is not, it has from the function it is first called by.
     """
-
-    def compiles(*signature: object) -> object:
-        with cast(AbstractContextManager[None], global_compiler_lock):
-            before = vars(config)["SLP_VECTORIZE"]
-            vars(config)["SLP_VECTORIZE"] = 1
-            try:
-                return plain(*signature)
-            finally:
-                vars(config)["SLP_VECTORIZE"] = before
-
-    return compiles
+    made = njit(error_model="numpy", fastmath={"contract"}, forceinline=False)(function)
+    return cast(Function, made)
 
 
-def stamp() -> int:
-    """Return a number that changes with any source in this folder, and with the tolerances."""
-    here = files(__package__)
-    read = {f.name: f.read_bytes() for f in here.iterdir() if f.name.endswith(".py")}
-    read["tolerances"] = files("zoh.batch").joinpath("tolerances.py").read_bytes()
-    return int.from_bytes(sha256(repr(sorted(read.items())).encode()).digest()[:6])
+def object_file(function: Callable[..., None], wholes: int) -> tuple[str, bytes]:
+    """Return (the name, the object file) of a function of so many whole numbers and a float.
+
+    Equal operations in a row are done as one (SLP). numba leaves that out unless its own setting
+    says otherwise, which others' code goes by, too; so it is set under numba's own lock. Nothing
+    is called but what LLVM finds without numba: no array is counted, none made.
+    """
+    made = cast(Any, njit)(
+        error_model="numpy", fastmath={"contract"}, no_cpython_wrapper=True,
+        no_cfunc_wrapper=True, _nrt=False,
+    )(function)  # fmt: skip
+    with cast(AbstractContextManager[None], global_compiler_lock):
+        before = vars(config)["SLP_VECTORIZE"]
+        vars(config)["SLP_VECTORIZE"] = 1
+        try:
+            made.compile((types.int64,) * wholes + (types.float64,))
+            (found,) = made.overloads.values()
+            name = found.fndesc.llvm_func_name
+            found.library.get_pointer_to_function(name)
+        finally:
+            vars(config)["SLP_VECTORIZE"] = before
+    _, _, (code, _) = found.library.serialize_using_object_code()
+    return name, code

@@ -1,24 +1,24 @@
 """A stretch of loops, one after the other: hold, law, stability, margins, step."""
 
-from collections.abc import Callable
 from math import inf, log, tan
 
 import numpy as np
 import numpy.typing as npt
 
 from zoh.batch.arrays.rows import Array
-from zoh.batch.compiled import between, laws, margins, motion, steps, work
-from zoh.batch.compiled.jit import compiled, kept, stamp
-from zoh.batch.compiled.layout import bare
+from zoh.batch.compiled import between, laws, motion, steps, work
+from zoh.batch.compiled.addresses import codes, numbers
+from zoh.batch.compiled.jit import compiled, object_file
+from zoh.batch.compiled.machine import WHOLES
 from zoh.batch.compiled.margins import measured
 from zoh.batch.compiled.modes import modes
+from zoh.batch.compiled.places import CROSSOVER, GAINS, GIVEN, MARGINS, PM, STEPS
 from zoh.batch.compiled.plant import held
 from zoh.batch.compiled.polynomials import on_axis, times
 from zoh.batch.compiled.stability import stable
 from zoh.batch.tolerances import HELD, ON_TARGET, ROOM
 
-GAINS = 4  # at most, of a law
-GIVEN = 6
+_FLOAT = 8  # bytes
 _GRID = np.geomspace(1e-7, 1e4, 45)  # of |p|
 
 OK, INFEASIBLE, UNSTABLE, OFF_TARGET = 0, 1, 2, 4  # of ``Reason``
@@ -27,15 +27,15 @@ OK, INFEASIBLE, UNSTABLE, OFF_TARGET = 0, 1, 2, 4  # of ``Reason``
 @compiled
 def one(
     w: int, code: int, n: int, reference: float, num: Array, den: Array, dt: float, delay: int,
-    lead: float, wc: float, pm_deg: float, spare: float, pole: float, i: int, gains: Array,
-    margin: Array, step: Array, reason: npt.NDArray[np.int8],
+    lead: float, wc: float, pm_deg: float, spare: float, pole: float, i: int, count: int,
+    gains: Array, margin: Array, step: Array, reason: npt.NDArray[np.int8],
 ) -> bool:  # fmt: skip
-    """Write what becomes of one loop; return whether it is left to the single design."""
+    """Write what becomes of loop i of so many; return whether it is left to the single design."""
     p, law = work.plant(w), work.law(w)
     for k in range(n + 1):
-        p.b[k], p.a[k] = num[k, i], den[k, i]
+        p.b[k], p.a[k] = num[k * count + i], den[k * count + i]
     held(w, n, dt, lead)
-    if not abs(p.numbers[3]) <= HELD:
+    if not abs(p.numbers[2]) <= HELD:
         return True
     x = tan(wc * dt / 2.0)
     if code == GIVEN:
@@ -50,7 +50,7 @@ def one(
     if room < 0.0:
         reason[i] = INFEASIBLE
         return False
-    for k in range(gains.size):
+    for k in range(GAINS):
         gains[k] = law.numbers[2 + k]
     degree = closed(w, n, c, delay, x)
     good, doubt = stable(w, degree)
@@ -68,10 +68,7 @@ def one(
         return True
     reason[i] = OK
     if code != GIVEN:
-        off = (
-            abs(margin[margins.PM] - pm_deg) > ON_TARGET
-            or abs(margin[margins.CROSSOVER] / wc - 1.0) > ON_TARGET
-        )
+        off = abs(margin[PM] - pm_deg) > ON_TARGET or abs(margin[CROSSOVER] / wc - 1.0) > ON_TARGET
         if off:
             reason[i] = OFF_TARGET
     return False
@@ -115,33 +112,31 @@ def closed(w: int, n: int, c: int, delay: int, x: float) -> int:
     return degree
 
 
-def _stretch(of: int) -> Callable[..., None]:
-    """Return the function that is kept on disk, ``of`` this state of the folder."""
+def stretch(
+    w: int, code: int, order: int, count: int, num: int, den: int, dt: int, delay: int, lead: int,
+    wc: int, pm_deg: int, spare: int, pole: int, gains: int, margin: int, step: int, reason: int,
+    left: int, reference: float,
+) -> None:  # fmt: skip
+    """Write gains, figures and reasons of so many loops, a row a loop; arrays are addresses.
 
-    @kept
-    def stretch(
-        w: int, code: int, order: int, reference: float, num: Array, den: Array, dt: Array,
-        delay: npt.NDArray[np.int64], lead: Array, wc: Array, pm_deg: Array, spare: Array,
-        pole: Array, first: int, end: int, gains: Array, margin: Array, step: Array,
-        reason: npt.NDArray[np.int8], left: npt.NDArray[np.bool_],
-    ) -> None:  # fmt: skip
-        """Write gains, figures and reasons of the loops from first to end, a row a loop.
-
-        w     the address of ``work.LENGTH`` floats
-        left  what is not regular comes in True; what floats cannot decide goes out True
-        """
-        if of < 0:
-            return
-        plants, out, why = bare((num, den)), bare((gains, margin, step)), bare((reason,))
-        for i in range(first, end):
-            if not left[i]:
-                left[i] = one(w, code, order, reference, plants[0], plants[1], dt[i], delay[i],
-                              lead[i], wc[i], pm_deg[i], spare[i], pole[i], i, out[0][i],
-                              out[1][i], out[2][i], why[0])  # fmt: skip
-
-    return stretch
+    w         of ``room.LENGTH`` floats
+    num, den  rows of ascending powers of s, up to the order;  delay  whole samples, as floats
+    left      what is not regular comes in 1; what floats cannot decide goes out 1
+    """
+    above, below, times_, lates = numbers(num), numbers(den), numbers(dt), numbers(delay)
+    leads, at, margins, spares, poles = (
+        numbers(lead), numbers(wc), numbers(pm_deg), numbers(spare), numbers(pole)
+    )  # fmt: skip
+    why, doubt = codes(reason), codes(left)
+    for i in range(count):
+        if doubt[i] == 0 and one(
+            w, code, order, reference, above, below, times_[i], int(lates[i]), leads[i], at[i],
+            margins[i], spares[i], poles[i], i, count, numbers(gains + i * GAINS * _FLOAT),
+            numbers(margin + i * MARGINS * _FLOAT), numbers(step + i * STEPS * _FLOAT), why,
+        ):  # fmt: skip
+            doubt[i] = 1
 
 
-stretch = _stretch(stamp())
-
-__all__ = ["GAINS", "stretch"]
+def machine_code() -> tuple[str, bytes]:
+    """Return ``stretch`` compiled for this processor: its name, and an object file."""
+    return object_file(stretch, WHOLES)

@@ -1,13 +1,11 @@
 """One law, solved at one crossover; see ``zoh.batch.arrays.laws``, its arithmetic."""
 
-from math import acos, asin, atan, atan2, cos, hypot, nan, pi, sin, sqrt
+from math import acos, asin, atan, atan2, cos, pi, sin, sqrt
 
 from zoh.batch.compiled.jit import compiled
 from zoh.batch.compiled.polynomials import on_axis
-from zoh.batch.compiled.work import Law, Plant
+from zoh.batch.compiled.room import Law, Plant
 from zoh.batch.tolerances import SAME_TURN
-
-CODES = {"p": 0, "pi": 1, "pd": 2, "pid": 3, "lag": 4, "lead": 5, "given": 6}
 
 
 @compiled
@@ -23,7 +21,8 @@ def solve(
     c, d, _, _ = on_axis(p.bottom, n, x)
     size = sqrt((a * a + b * b) / (c * c + d * d))
     turn = (pm_deg - 180.0) * (pi / 180.0) - atan2(b * c - a * d, a * c + b * d)
-    turn += 2.0 * delay * atan(x)
+    if delay:
+        turn += 2.0 * delay * atan(x)
     theta = turn - 2.0 * pi * round(turn / (2.0 * pi))
     real, imag = cos(theta) / size, sin(theta) / size
     out = law.numbers
@@ -46,8 +45,12 @@ def solve(
     law.num[0], law.num[1], law.den[0], law.den[1] = spare, spare / zero, 1.0, 1.0 / corner
     share = 1.0 / (1.0 + law.den[1])
     far = (law.num[0] + law.num[1]) * share
-    pole(law, 0, 2.0 * share, (spare - far) * 2.0 * share)
-    out[0], out[1] = far, -1.0
+    if code == 5:
+        lead(law, 0, 2.0 * share, far - spare)
+        out[0], out[1] = spare, -1.0
+    else:
+        pole(law, 0, 2.0 * share, (spare - far) * 2.0 * share)
+        out[0], out[1] = far, -1.0
     if code == 4 and ratio > 1.0:
         out[1] = min(theta + acos(1.0 / ratio), -theta)
     if code == 5 and ratio < 1.0:
@@ -65,20 +68,19 @@ def pid(
     half = dt / 2.0
     x, share = at * lag, ki * half
     k = share * size / at
-    root = hypot(1.0, x)
-    reach = x * k / root
+    reach = x * k / sqrt(1.0 + x * x)
     room = -1.0
     if reach < 1.0:
-        bend = acos(reach)
-        low = max(-asin(k) if k < 1.0 else -pi, -bend - atan(x))
-        room = min(theta - low, bend - atan(x) - theta)
+        bend, late = acos(reach), atan(x)
+        low = max(-asin(k) if k < 1.0 else -pi, -bend - late)
+        room = min(theta - low, bend - late - theta)
     imaginary = imag + share / at
     kp, rate = real - x * imaginary, imaginary * (1.0 + x * x) / at
     c = 1.0 / (1.0 + lag)
     out = law.numbers
-    out[0], out[1] = kp + share + rate * c, room
+    out[0], out[1] = kp + share, room
     shift = 1 if integral else 0
-    pole(law, shift, 2.0 * c, -2.0 * rate * c * c)
+    lead(law, shift, 2.0 * c, rate * c)
     law.den[shift], law.den[shift + 1] = 1.0, lag
     law.num[shift], law.num[shift + 1] = kp + share * lag, kp * lag + rate
     out[2], out[3], out[4] = kp, rate * half, 1.0 / (lag * half)
@@ -93,7 +95,12 @@ def pid(
 @compiled
 def pole(law: Law, place: int, at: float, residue: float) -> None:
     """Write residue/(z - 1 + at)."""
-    law.moves[place, place], law.enters[place], law.residues[place] = -at, 1.0, residue
+    law.moves[place, place], law.residues[place] = -at, residue
+    law.enters[place], law.leads[place] = 1.0, 0.0
 
 
-__all__ = ["CODES", "nan", "solve"]
+@compiled
+def lead(law: Law, place: int, at: float, residue: float) -> None:
+    """Write residue (z - 1)/(z - 1 + at)."""
+    law.moves[place, place], law.residues[place] = -at, residue
+    law.enters[place], law.leads[place] = 0.0, 1.0

@@ -6,6 +6,18 @@ from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
 from zoh.batch.compiled.jit import compiled
 from zoh.batch.compiled.peaks import lowest
+from zoh.batch.compiled.places import (
+    BANDWIDTH,
+    CROSSOVER,
+    DELAY,
+    DISK,
+    GM,
+    MODULUS,
+    MS,
+    MT,
+    PHASE_CROSSOVER,
+    PM,
+)
 from zoh.batch.compiled.polynomials import (
     changes,
     on_axis,
@@ -21,10 +33,6 @@ from zoh.batch.tolerances import DROP, ON_IT_DEG, UNITY
 _POLISH = 3
 _LAST = 1e-8  # relative: the error after a Newton's step as small as this is its square
 _AT_ONE = 1e-10  # of its terms: what is left of the gain at the crossover it was solved at
-
-# places of the figures
-GM, PHASE_CROSSOVER, PM, CROSSOVER, DELAY, MODULUS, MS, MT, DISK, BANDWIDTH = range(10)
-FIGURES = 10
 
 
 @compiled
@@ -62,7 +70,8 @@ def by_gain(w: int, n: int, x: float, dt: float, out: Array) -> bool:
         if pm <= -180.0:
             pm = 180.0
         wc = frequency(x, dt, v)
-        late = 0.0 if abs(pm) < ON_IT_DEG else radians(pm) % (2.0 * pi) / wc
+        turn = pm if pm > 0.0 else pm + 360.0
+        late = 0.0 if abs(pm) < ON_IT_DEG else radians(turn) / wc
         out[DELAY] = min(out[DELAY], late)
         if abs(pm) < abs(out[PM]):
             out[PM], out[CROSSOVER] = pm, wc

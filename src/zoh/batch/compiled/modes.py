@@ -4,17 +4,17 @@ The same is done to all of them at once, in as many lanes as there are modes or 
 is in the lanes behind the last mode is of no use.
 """
 
-from math import atan2, inf, log1p, sqrt
+from math import inf, log1p, sqrt
 
 import numpy as np
 
 from zoh.batch.compiled import work
 from zoh.batch.compiled.jit import compiled
-from zoh.batch.compiled.work import LANES, WIDE
+from zoh.batch.compiled.room import LANES, WIDE
 from zoh.batch.tolerances import APART
 
 _ROOTS = 60  # Aberth's steps at most
-_LEAST = 1e-300  # |z|^2: a mode that is gone in one sample
+_GONE = 345.0  # the decay of a mode that is gone in one sample
 _VALUE, _VALUE_I, _SLOPE, _SLOPE_I, _OTHERS, _OTHERS_I = range(6)  # rows of the room, for roots
 _REAL, _IMAG, _ROOT, _ROOT_I, _OTHER = range(5)  # and for weights
 
@@ -121,23 +121,21 @@ def approach(w: int, n: int, wide: int) -> bool:
 
 @compiled
 def decays(w: int, n: int, x: float) -> float:
-    """Turn u = p/x into z; write |log z| and which mode creeps; return the least decay."""
-    m, slowest = work.motion(w), inf
+    """Turn u = p/x into z; write |log z| and which mode creeps; return the least decay.
+
+    log z is 2 p + 2 p^3/3 + ..., and its size asked for where it is small alone.
+    """
+    m, nearest = work.motion(w), -1.0
     for i in range(n):
         a, b = m.re[i] * x, m.im[i] * x
-        square = (1.0 - a) ** 2 + b * b
-        size = 1.0 + 4.0 * a / square if square > 0.0 else 0.0  # |z|^2
-        if size > _LEAST:
-            re, im = ((1.0 + a) * (1.0 - a) - b * b) / square, 2.0 * b / square
-            decay = -0.5 * log1p(4.0 * a / square)
-        else:
-            re, im, decay = _LEAST, 0.0, 345.0
-        angle = atan2(im, re)
-        m.re[i], m.im[i], m.turn[i] = re, im, sqrt(decay * decay + angle * angle)
-        m.creeping[i] = decay if abs(angle) <= 1e-9 * decay else -inf
-        slowest = min(slowest, decay)
+        part = 1.0 / ((1.0 - a) ** 2 + b * b)
+        m.re[i], m.im[i] = ((1.0 + a) * (1.0 - a) - b * b) * part, 2.0 * b * part
+        m.turn[i], m.creeping[i] = 2.0 * sqrt(a * a + b * b), 4.0 * a * part  # |z|^2 - 1
+        nearest = max(nearest, m.creeping[i])
+    slowest = min(-0.5 * log1p(nearest), _GONE)
     for i in range(n):
-        m.creeping[i] = 1.0 if m.creeping[i] == slowest else 0.0
+        alone = m.creeping[i] == nearest and abs(m.im[i]) <= 1e-9 * slowest * m.re[i]
+        m.creeping[i] = 1.0 if alone else 0.0
     return slowest
 
 

@@ -3,35 +3,28 @@
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
 from zoh.batch.compiled.jit import compiled
-from zoh.batch.compiled.work import LATE, WHOLE, WIDE
-
-_ROOTS = 60  # Aberth's steps at most
+from zoh.batch.compiled.room import LATE, WHOLE, WIDE
 
 
 @compiled
 def closed(w: int, n: int, c: int, delay: int) -> int:
-    """Write the motion after a reference step of 1; return the size of Z."""
+    """Write the motion after a reference step of 1; return the size of Z.
+
+    What e moves by is taken from what the plant's first state does, never as a difference.
+    """
     m, p, law, s = work.motion(w), work.plant(w), work.law(w), work.track(w).ladder[0]
     own, one = n + delay, n + delay + c
     size = one + 1
-    direct, through = law.numbers[0], p.numbers[0]
+    direct = law.numbers[0]
     for i in range(size):
-        m.output[i], m.effort[i] = 0.0, 0.0
+        m.output[i], m.effort[i], m.start[i] = 0.0, 0.0, 0.0
         for j in range(WIDE):
             s[i, j] = 0.0
-    if n:
-        m.output[0] = 1.0
-    if delay:
-        m.output[own - 1] += through
+    m.output[0] = 1.0
     for j in range(c):
-        m.effort[own + j] = law.residues[j]
-    m.effort[one] = direct
-    for j in range(size):
-        m.effort[j] -= direct * m.output[j]
-    if not delay and through != 0.0:
-        for j in range(size):
-            m.effort[j] /= 1.0 + direct * through
-            m.output[j] += through * m.effort[j]
+        m.effort[own + j], m.start[own + j] = law.residues[j], law.leads[j]
+    m.effort[one], m.start[one] = direct, 1.0
+    m.effort[0] -= direct
     for i in range(n):
         for j in range(n):
             s[j, i] = p.delta[WHOLE, i, j]
@@ -55,11 +48,13 @@ def closed(w: int, n: int, c: int, delay: int) -> int:
         s[n + j, n + j] -= 1.0
     for j in range(c):
         for i in range(size):
-            s[i, own + j] -= law.enters[j] * m.output[i]
+            s[i, own + j] -= law.leads[j] * s[i, 0]
+        s[0, own + j] -= law.enters[j]
         s[one, own + j] += law.enters[j]
         for i in range(c):
             s[own + i, own + j] += law.moves[j, i]
-    moved_row(m.output, s, size, m.output_moves)
+    for j in range(size):
+        m.output_moves[j] = s[j, 0]
     moved_row(m.effort, s, size, m.effort_moves)
     top, bottom = law.num[0] * p.top[0], law.den[0] * p.bottom[0]
     m.numbers[0] = top / (top + bottom)

@@ -1,6 +1,6 @@
 """Where a quotient of two polynomials is least, of one loop; see ``zoh.batch.arrays.peaks``."""
 
-from math import inf, sqrt
+from math import inf, log, sqrt
 
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
@@ -15,16 +15,17 @@ from zoh.batch.compiled.polynomials import (
     without,
 )
 
-_LAST = 1e-8  # relative: the error after a Newton's step as small as this is its square
+_LAST = 1e-6  # relative: the error after a Newton's step as small as this is its square
 _STEPS = 100
+_HALF = 0.5 * log(GRID[1] / GRID[0])
 
 
 @shared
 def lowest(w: int, a: Array, b: Array, n: int) -> tuple[float, bool]:
     """Return (v where a/b is least over q = v^2, whether in doubt); a on the grid is known."""
     rest = work.lines(w).rest
-    best = about(w, b, n)
-    q, inside = flat(a, b, n, GRID[best - 1], GRID[best + 1], GRID[best])
+    best, near = about(w, b, n)
+    q, inside = flat(a, b, n, GRID[best - 1], GRID[best + 1], near)
     value = at(a, n, q) / at(b, n, q)
     v = sqrt(q)
     end = a[0] / b[0]
@@ -56,8 +57,11 @@ def lowest(w: int, a: Array, b: Array, n: int) -> tuple[float, bool]:
 
 
 @compiled
-def about(w: int, b: Array, n: int) -> int:
-    """Return the inner place of the grid where a/b is least, a on the grid being known."""
+def about(w: int, b: Array, n: int) -> tuple[int, float]:
+    """Return (the inner place of the grid where a/b is least, where a parabola there is).
+
+    a on the grid is known. The parabola is one in log q, its exponential that of a fraction.
+    """
     grid = work.lines(w).grid
     over, under = grid[1], grid[0]
     on_grid(b, n, under)
@@ -66,10 +70,16 @@ def about(w: int, b: Array, n: int) -> int:
     best, least = 0, inf
     for j in range(len(GRID)):
         best, least = (j, under[j]) if under[j] < least else (best, least)
-    return min(max(best, 1), len(GRID) - 2)
+    best = min(max(best, 1), len(GRID) - 2)
+    before, here, after = under[best - 1], under[best], under[best + 1]
+    bend = before + after - 2.0 * here
+    t = _HALF * (before - after) / bend if bend > 0.0 else 0.0
+    t = min(max(t, -2.0 * _HALF), 2.0 * _HALF)
+    even, odd = 12.0 + t * t, 6.0 * t
+    return best, GRID[best] * (even + odd) / (even - odd)
 
 
-@shared
+@compiled
 def flat(a: Array, b: Array, n: int, low: float, high: float, q: float) -> tuple[float, bool]:
     """Return (where the slope of a/b becomes positive in (low, high), whether it does)."""
     falls, rises, last = False, False, inf

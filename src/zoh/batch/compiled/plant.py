@@ -7,8 +7,8 @@ import numpy as np
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
 from zoh.batch.compiled.jit import compiled, shared
+from zoh.batch.compiled.room import LATE, ORDER, WHOLE
 from zoh.batch.compiled.transfer import transfer
-from zoh.batch.compiled.work import LATE, WHOLE
 from zoh.batch.tolerances import EULERS, SERIES, SLOW, SMALL
 
 _NOTHING = 1e-18
@@ -28,12 +28,13 @@ def _eulers() -> Array:
 
 
 _EULER = _eulers()
+_PART = 1.0 / np.maximum(np.arange(SERIES + ORDER + 1.0), 1.0)
 _FACTORIAL = np.cumprod(np.concatenate([[1.0], np.arange(1.0, EULERS + 2)]))
 
 
 @compiled
 def held(w: int, n: int, dt: float, lead: float) -> None:
-    """Hold the plant p.b/p.a (ascending powers of s, a[n] = 1, overwritten) of order n."""
+    """Hold a strictly proper p.b/p.a (ascending powers of s, a[n] = 1, overwritten) of order n."""
     if n == 2:  # of the usual order the compiler knows every place beforehand
         hold(w, 2, dt, lead)
     else:
@@ -50,14 +51,6 @@ def hold(w: int, n: int, dt: float, lead: float) -> None:
         a[j] *= power
         b[j] *= power
         power *= dt
-    direct = b[n]
-    for j in range(n):
-        b[j] -= direct * a[j]
-    numbers[0] = direct
-    if n == 0:
-        p.top[0], p.bottom[0] = direct, 1.0
-        numbers[1], numbers[2], numbers[3], numbers[4] = 1.0, 0.0, 0.0, 0.0
-        return
     reach = 0.0
     for j in range(n):
         size = abs(a[j])
@@ -66,7 +59,7 @@ def hold(w: int, n: int, dt: float, lead: float) -> None:
         elif n - j > 2:
             size = size ** (1.0 / (n - j))
         reach = max(reach, 2.0 * size)
-    numbers[2] = reach
+    numbers[1] = reach
     rest, power = 0, 1.0
     while rest < n and a[rest] == 0.0:
         rest, power = rest + 1, 2.0 * power
@@ -74,9 +67,9 @@ def hold(w: int, n: int, dt: float, lead: float) -> None:
     unit, halvings = 1.0, 0
     while reach * unit > SMALL and halvings < 60:
         unit, halvings = unit / 2.0, halvings + 1
-    numbers[1] = 1.0 / unit
+    numbers[0] = 1.0 / unit
     terms = min(n + needed(reach * unit), SERIES)  # the first n may be 0
-    numbers[4] = terms
+    numbers[3] = terms
     euler = 0
     if reach <= SLOW:
         size = 1.0
@@ -110,9 +103,7 @@ def hold(w: int, n: int, dt: float, lead: float) -> None:
     transfer(p, n)
     if euler:
         p.top[n] = at_nyquist * p.bottom[n]
-    numbers[3] = at_rest * p.top[0] / p.bottom[rest] - 1.0 if at_rest != 0.0 else 0.0
-    for k in range(n + 1):
-        p.top[k] += direct * p.bottom[k]
+    numbers[2] = at_rest * p.top[0] / p.bottom[rest] - 1.0 if at_rest != 0.0 else 0.0
 
 
 @compiled
@@ -121,7 +112,7 @@ def needed(reach: float) -> int:
     m, size = 0, 1.0
     while m < SERIES and size > _NOTHING:
         m += 1
-        size *= reach / m
+        size *= reach * _PART[m]
     return m
 
 
@@ -173,7 +164,7 @@ def advance(w: int, n: int, terms: int, halvings: int, t: float, which: int) -> 
             delta[i, j] = 0.0
     weight = 1.0
     for m in range(1, terms + 1):
-        weight *= t / m
+        weight *= t * _PART[m]
         for i in range(n):
             b[i] += weight * h[m - 1 + i]
             for j in range(n):

@@ -98,9 +98,9 @@ def changes(a: Array, n: int) -> int:
 
 
 @shared
-def closed_in(a: Array, n: int, low: float, high: float, x: float) -> float:
-    """Return the root between low and high, where a has two signs."""
-    rising, last = at(a, n, low) < 0.0, inf
+def closed_in(a: Array, n: int, low: float, high: float, x: float, rising: bool) -> float:
+    """Return the root between low and high, where a has two signs, the first - if it is rising."""
+    last = inf
     for _ in range(_STEPS):
         f, slope = with_slope(a, n, x)
         if f == 0.0:
@@ -120,21 +120,23 @@ def closed_in(a: Array, n: int, low: float, high: float, x: float) -> float:
 
 
 @compiled
-def only_root(w: int, a: Array, n: int, low: float, high: float) -> float:
-    """Return the root between low and high where there is one: first between which grid points."""
+def only_root(w: int, a: Array, n: int) -> float:
+    """Return the root > 0 where there is one: first between which grid points."""
     values, falling, place = work.lines(w).grid[0], a[0] > 0.0, 0
     on_grid(a, n, values)
     for i in range(len(GRID)):
         place += int((values[i] > 0.0) == falling)
-    if place:
-        low = max(low, GRID[place - 1])
-    if place < len(GRID):
-        high = min(high, GRID[place])
-    x = sqrt(low) * sqrt(high)
     if 0 < place < len(GRID):
-        share = values[place - 1] / (values[place - 1] - values[place])
-        x = GRID[place - 1] + share * (GRID[place] - GRID[place - 1])
-    return closed_in(a, n, low, high, min(max(x, low), high))
+        low, high = GRID[place - 1], GRID[place]
+        x = low + values[place - 1] / (values[place - 1] - values[place]) * (high - low)
+    else:
+        low, high = bounds(a, n)
+        if place:
+            low = max(low, GRID[place - 1])
+        else:
+            high = min(high, GRID[0])
+        x = sqrt(low) * sqrt(high)
+    return closed_in(a, n, low, high, min(max(x, low), high), not falling)
 
 
 @compiled
@@ -166,10 +168,10 @@ def positive_roots(w: int, a: Array, n: int) -> tuple[int, bool]:
     for k in range(first, n + 1):
         top[k - first] = a[k]
     n -= first
-    low, high = bounds(top, n)
     if count == 1:
-        roots[0] = only_root(w, top, n, low, high)
+        roots[0] = only_root(w, top, n)
         return 1, False
+    low, high = bounds(top, n)
     for level in range(1, n - 1):
         size = 0.0
         for k in range(n - level + 1):
@@ -192,7 +194,8 @@ def positive_roots(w: int, a: Array, n: int) -> tuple[int, bool]:
             right = edges[k] if k < inner else high
             next_value = at(poly, degree, right)
             if (value < 0.0) != (next_value < 0.0):
-                roots[found] = closed_in(poly, degree, left, right, sqrt(left) * sqrt(right))
+                middle = sqrt(left) * sqrt(right)
+                roots[found] = closed_in(poly, degree, left, right, middle, value < 0.0)
                 found += 1
             left, value = right, next_value
     doubt = False
@@ -244,7 +247,7 @@ def without(a: Array, n: int, q: float, out: Array) -> None:
     for k in range(largest, n):
         out[k] = out[k + 1]
     out[n] = 0.0
-    carry = 0.0
+    carry, share = 0.0, 1.0 / q
     for k in range(largest):
-        carry = (carry - a[k]) / q
+        carry = (carry - a[k]) * share
         out[k] = carry

@@ -4,21 +4,21 @@ What floats cannot decide is left to the single design, as by ``zoh.batch.arrays
 """
 
 from concurrent.futures import ThreadPoolExecutor
-from queue import SimpleQueue
+from threading import local
 
 import numpy as np
 import numpy.typing as npt
-from numba import config
 
 from zoh.analysis.realised import realised
 from zoh.batch.arrays.rows import Array, Mask
 from zoh.batch.arrays.run import Batch, batch, covers
 from zoh.batch.backend import CORES
 from zoh.batch.chunks import in_chunks
-from zoh.batch.columns import Columns, Results, empty, length
-from zoh.batch.compiled import kernel, laws, layout, margins, steps, work
-from zoh.batch.compiled.kernel import GAINS, GIVEN
+from zoh.batch.columns import Columns, Results, length
+from zoh.batch.compiled import layout, places, room
+from zoh.batch.compiled.machine import Kernel
 from zoh.batch.figures import gain_names
+from zoh.batch.first_use import cores, kernel
 from zoh.batch.job import Job
 from zoh.batch.reason import Reason
 
@@ -27,23 +27,26 @@ _FEWEST = 1024  # loops that a core is worth
 _TURNS = 4  # that each core takes at least, for loops are not equally long
 _SPARE = {"pid": "ki", "lag": "dc_gain", "lead": "dc_gain"}
 _MARGINS = {
-    "gain_margin": margins.GM, "phase_crossover": margins.PHASE_CROSSOVER,
-    "phase_margin_deg": margins.PM, "crossover": margins.CROSSOVER,
-    "delay_margin": margins.DELAY, "modulus_margin": margins.MODULUS, "ms": margins.MS,
-    "mt": margins.MT, "disk_margin": margins.DISK, "bandwidth": margins.BANDWIDTH,
+    "gain_margin": places.GM, "phase_crossover": places.PHASE_CROSSOVER,
+    "phase_margin_deg": places.PM, "crossover": places.CROSSOVER,
+    "delay_margin": places.DELAY, "modulus_margin": places.MODULUS, "ms": places.MS,
+    "mt": places.MT, "disk_margin": places.DISK, "bandwidth": places.BANDWIDTH,
 }  # fmt: skip
 _STEPS = {
-    "overshoot_pct": steps.OVERSHOOT, "rise_time": steps.RISE, "settling_time": steps.SETTLING,
-    "peak": steps.PEAK, "peak_time": steps.PEAK_TIME, "steady_state_error": steps.ERROR,
-    "peak_effort": steps.EFFORT, "between.overshoot_pct": steps.BETWEEN_OVERSHOOT,
-    "between.peak_time": steps.BETWEEN_TIME,
+    "overshoot_pct": places.OVERSHOOT, "rise_time": places.RISE, "settling_time": places.SETTLING,
+    "peak": places.PEAK, "peak_time": places.PEAK_TIME, "steady_state_error": places.ERROR,
+    "peak_effort": places.EFFORT, "between.overshoot_pct": places.BETWEEN_OVERSHOOT,
+    "between.peak_time": places.BETWEEN_TIME,
 }  # fmt: skip
 
 
-def run(job: Job, columns: Columns, threads: int | None = None) -> Results:
+def run(
+    job: Job, columns: Columns, threads: int | None = None, by: Kernel | None = None
+) -> Results:
     """Return the columns of ``zoh.batch.figures``, as ``zoh.batch.single`` does.
 
     threads  how many cores at most; where it is left out, what ``backend.CORES`` says
+    by       what computes a stretch of loops, ``first_use.kernel()`` where it is left out
 
     >>> from zoh.lti.systems import Plant
     >>> arm = Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
@@ -52,22 +55,15 @@ def run(job: Job, columns: Columns, threads: int | None = None) -> Results:
     >>> [Reason(code).name for code in found["reason"]]
     ['OK', 'INFEASIBLE', 'BEYOND_NYQUIST']
     """
-    cores, n = (
-        threads or CORES.get() or int(vars(config)["NUMBA_NUM_THREADS"]),
-        length(job, columns),
-    )
-    many = max(1, min(cores, -(-n // _FEWEST)))
+    n, compute = length(job, columns), by or kernel()
+    many = max(1, min(threads or CORES.get() or cores(), -(-n // _FEWEST)))
     chunk = min(CHUNK, max(_FEWEST, -(-n // (_TURNS * many))))
-    works = SimpleQueue[Array]()
-    for _ in range(many):
-        works.put(_work(job))
+    own = local()  # arrays of one core: new ones for each chunk would be new pages of memory
 
     def some(job: Job, columns: Columns, n: int) -> tuple[Results, Mask]:
-        floats = works.get()
-        try:
-            return _some(floats, job, columns, n)
-        finally:
-            works.put(floats)
+        if not hasattr(own, "floats"):
+            own.floats, own.rows = _work(job), _rows(chunk)
+        return _some(compute, own.floats, [row[:n] for row in own.rows], job, columns, n)
 
     with ThreadPoolExecutor(many) as pool:
         return in_chunks(job, columns, chunk, some, pool.map)
@@ -75,10 +71,10 @@ def run(job: Job, columns: Columns, threads: int | None = None) -> Results:
 
 def _work(job: Job) -> Array:
     """Return the arrays of one core, a given controller written into them."""
-    floats = layout.stretch(work.LENGTH)
+    floats = layout.stretch(room.LENGTH)
     if job.controller is None:
         return floats
-    given, law = job.controller, work.LAW.of(floats)
+    given, law = job.controller, room.LAW.of(floats)
     a, c, direct = realised(given)
     powers = (2 / given.dt) ** np.arange(float(len(given.den_w)))
     law.num[: len(powers)] = np.array(given.num_w[::-1]) * powers
@@ -91,19 +87,31 @@ def _work(job: Job) -> Array:
     return floats
 
 
-def _some(floats: Array, job: Job, columns: Columns, n: int) -> tuple[Results, Mask]:
-    """Return (the results of a chunk, which loops are left to the single design)."""
+def _rows(n: int) -> list[Array]:
+    """Return room for gains, margins and metrics of so many loops, a row a loop."""
+    return [np.empty((n, many)) for many in (places.GAINS, places.MARGINS, places.STEPS)]
+
+
+def _some(
+    compute: Kernel, floats: Array, rows: list[Array], job: Job, columns: Columns, n: int
+) -> tuple[Results, Mask]:
+    """Return (the results of a chunk, which loops are left to the single design).
+
+    The results are views of the rows.
+    """
     wanted = batch(job, columns, n)
-    gains = np.full((n, GAINS), np.nan)
-    margin, step = np.full((n, margins.FIGURES), np.nan), np.full((n, steps.FIGURES), np.nan)
+    for row in rows:
+        row.fill(np.nan)
     reason, left = np.full(n, Reason.MALFORMED, np.int8), ~wanted.regular
     reason[wanted.beyond] = Reason.BEYOND_NYQUIST
-    kernel.stretch(
-        floats.ctypes.data, laws.CODES[job.law], len(wanted.den) - 1, job.reference,
-        wanted.num, wanted.den, wanted.dt, wanted.delay, wanted.lead, *_asked(job, wanted, n),
-        0, n, gains, margin, step, reason, left,
+    asked = (wanted.num, wanted.den, wanted.dt, wanted.delay, wanted.lead, *_asked(job, wanted, n))
+    read = [np.ascontiguousarray(row, np.float64) for row in asked]
+    compute(
+        floats.ctypes.data, places.CODES[job.law], len(wanted.den) - 1, n,
+        *(row.ctypes.data for row in (*read, *rows)), reason.ctypes.data, left.ctypes.data,
+        job.reference,
     )  # fmt: skip
-    return _results(job, gains, margin, step, reason), left & ~wanted.beyond
+    return _results(job, rows, reason), left & ~wanted.beyond
 
 
 def _asked(job: Job, wanted: Batch, n: int) -> tuple[Array, Array, Array, Array]:
@@ -117,19 +125,14 @@ def _asked(job: Job, wanted: Batch, n: int) -> tuple[Array, Array, Array, Array]
     return asked["wc"], asked["pm_deg"], spare, asked.get("filter_pole", zero)
 
 
-def _results(
-    job: Job, gains: Array, margin: Array, step: Array, reason: npt.NDArray[np.int8]
-) -> Results:
-    out = empty(job, len(reason))
-    has = np.isin(reason, (Reason.OK, Reason.OFF_TARGET))
-    for place, name in enumerate(gain_names(job.law)):
-        out[name][:] = gains[:, place]
-    for places, values in ((_MARGINS, margin), (_STEPS, step)):
-        for name, place in places.items():
-            if name in out:
-                np.copyto(out[name], values[:, place], where=has)
-    out["stable"][:], out["reason"][:] = has, reason
+def _results(job: Job, rows: list[Array], reason: npt.NDArray[np.int8]) -> Results:
+    """Return the columns of what was written; what is left may be written in part."""
+    gains, margin, step = rows
+    out: Results = {name: gains[:, place] for place, name in enumerate(gain_names(job.law))}
+    for names, values in ((_MARGINS, margin), (_STEPS, step)):
+        out |= {name: values[:, place] for name, place in names.items()}
+    out["stable"], out["reason"] = np.isin(reason, (Reason.OK, Reason.OFF_TARGET)), reason
     return out
 
 
-__all__ = ["CHUNK", "GIVEN", "covers", "run"]
+__all__ = ["CHUNK", "covers", "run"]

@@ -1,11 +1,10 @@
 """A block of samples, every one looked at."""
 
-from math import inf
-
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
 from zoh.batch.compiled.between import estimate
 from zoh.batch.compiled.jit import compiled
+from zoh.batch.compiled.room import BLOCK, LANES, PAST, Pieces
 from zoh.batch.compiled.track import (
     AT_CREST,
     CREST,
@@ -20,6 +19,7 @@ from zoh.batch.compiled.track import (
     LEAST_U,
     MOST_U,
     NEXT,
+    OTHER,
     PIECE,
     RISE,
     TOP,
@@ -29,7 +29,6 @@ from zoh.batch.compiled.track import (
     product,
     take,
 )
-from zoh.batch.compiled.work import BLOCK, LANES, PAST, Pieces
 from zoh.batch.tolerances import BAND
 
 _END = PAST + BLOCK
@@ -42,19 +41,14 @@ def shown(row: Array, factor: float, block: Array, place: int, size: int) -> Non
 
 
 @compiled
-def note(y: Array, u: Array, seen: Array, full: float, k: float) -> None:
+def note(y: Array, u: Array, zs: Array, seen: Array, full: float, k: float) -> None:
     """Note what the samples of a block show; k is the first one's."""
-    top, most, least = seen[TOP], seen[MOST_U], seen[LEAST_U]
-    higher = more = out = 0
-    for i in range(PAST, _END):
-        higher |= int(y[i] > top)
-        more |= int(u[i] > most) | int(u[i] < least)
-        out |= int(abs(y[i] - full) > BAND * full)
-    if higher:
-        rises(y, seen, full, k)
-    if more:
-        seen[MOST_U], seen[LEAST_U] = max(most, highest(u, 1.0)), min(least, -highest(u, -1.0))
-    if out:
+    most_y, least_y = extremes(y, zs)
+    most_u, least_u = extremes(u, zs)
+    if most_y > seen[TOP]:
+        rises(y, seen, most_y, full, k)
+    seen[MOST_U], seen[LEAST_U] = max(seen[MOST_U], most_u), min(seen[LEAST_U], least_u)
+    if most_y - full > BAND * full or full - least_y > BAND * full:
         i = _END - 1
         while not abs(y[i] - full) > BAND * full:
             i -= 1
@@ -63,9 +57,27 @@ def note(y: Array, u: Array, seen: Array, full: float, k: float) -> None:
 
 
 @compiled
-def rises(y: Array, seen: Array, full: float, k: float) -> None:
+def extremes(row: Array, zs: Array) -> tuple[float, float]:
+    """Return the highest and the lowest that a row is in a block, found in ``LANES`` at once."""
+    most, least = zs[NEXT], zs[OTHER]
+    for lane in range(LANES):
+        most[lane], least[lane] = row[PAST + lane], row[PAST + lane]
+    for i in range(PAST + LANES, _END, LANES):
+        for lane in range(LANES):
+            x = row[i + lane]
+            most[lane] = x if x > most[lane] else most[lane]
+            least[lane] = x if x < least[lane] else least[lane]
+    high, low = most[0], least[0]
+    for lane in range(1, LANES):
+        high = most[lane] if most[lane] > high else high
+        low = least[lane] if least[lane] < low else low
+    return high, low
+
+
+@compiled
+def rises(y: Array, seen: Array, top: float, full: float, k: float) -> None:
     """Note where the response first reaches 10 %, 90 % and its highest sample."""
-    before, top = seen[TOP], highest(y, 1.0)
+    before = seen[TOP]
     if before < 0.1 * full <= top:
         seen[K_10] = k + first(y, 0.1 * full)
     if before < 0.9 * full <= top:
@@ -74,22 +86,12 @@ def rises(y: Array, seen: Array, full: float, k: float) -> None:
 
 
 @compiled
-def highest(row: Array, factor: float) -> float:
-    """Return the highest that factor row is in a block."""
-    a = b = c = d = -inf
-    for i in range(PAST, _END, 4):
-        a, b = max(a, factor * row[i]), max(b, factor * row[i + 1])
-        c, d = max(c, factor * row[i + 2]), max(d, factor * row[i + 3])
-    return max(max(a, b), max(c, d))
-
-
-@compiled
 def first(row: Array, height: float) -> int:
-    """Return the first sample of a block at which a row is as high."""
-    place = _END
-    for i in range(PAST, _END):
-        place = min(place, i if row[i] >= height else _END)
-    return place - PAST
+    """Return the first sample of a block at which a row is as high; it is at one."""
+    i = PAST
+    while row[i] < height:
+        i += 1
+    return i - PAST
 
 
 @compiled
@@ -103,9 +105,7 @@ def every_sample(w: int, count: int, n: int, sign: float, full: float, k: float,
         signals(w, sign, 5)
     else:
         signals(w, sign, size)
-    note(block[Y], block[U], seen, full, k)
-    if n == 0:
-        return
+    note(block[Y], block[U], zs, seen, full, k)
     is_state = count == 1 and work.plant(w).markov[0] == 0.0  # the slope at a piece's end is then
     for piece in range(count):  # that at the next one's start
         if piece:
@@ -124,7 +124,8 @@ def every_sample(w: int, count: int, n: int, sign: float, full: float, k: float,
 def signals(w: int, sign: float, size: int) -> None:
     """Write what a block shows: output, effort, and slope, that of the next block, too."""
     m, block = work.motion(w), work.track(w).block
-    shown(m.output, sign, block, Y, size)
+    for i in range(PAST, _END):
+        block[Y, i] = sign * block[0, i]
     shown(m.effort, 1.0, block, U, size)
     product(work.pieces(w).slope0[0], sign, block, PAST, _END + LANES, size, block[RISE])
 
@@ -135,10 +136,16 @@ def crests(
     size: int,
 ) -> None:  # fmt: skip
     """Keep the crest that is about the highest."""
-    rise, fall, any_crest = block[RISE], block[FALL], 0
-    for i in range(PAST, _END):
-        any_crest |= int(rise[i] > 0.0) & int(fall[i] < 0.0)
-    if not any_crest:
+    rise, fall, turns, turn = block[RISE], block[FALL], zs[OTHER], 0.0
+    for lane in range(LANES):
+        turns[lane] = 0.0
+    for i in range(PAST, _END, LANES):
+        for lane in range(LANES):
+            x = rise[i + lane] if rise[i + lane] < -fall[i + lane] else -fall[i + lane]
+            turns[lane] = x if x > turns[lane] else turns[lane]
+    for lane in range(LANES):
+        turn = turns[lane] if turns[lane] > turn else turn
+    if not turn > 0.0:
         return
     span, there = pieces.ends[piece + 1] - pieces.ends[piece], zs[NEXT]
     for i in range(PAST, _END):

@@ -9,6 +9,18 @@ from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
 from zoh.batch.compiled.between import crest
 from zoh.batch.compiled.jit import compiled, shared
+from zoh.batch.compiled.places import (
+    BETWEEN_OVERSHOOT,
+    BETWEEN_TIME,
+    EFFORT,
+    ERROR,
+    OVERSHOOT,
+    PEAK,
+    PEAK_TIME,
+    RISE,
+    SETTLING,
+)
+from zoh.batch.compiled.room import BLOCK, DOUBLINGS, LANES, PAST, ROOM, WIDE
 from zoh.batch.compiled.samples import every_sample
 from zoh.batch.compiled.strides import long_stride
 from zoh.batch.compiled.track import (
@@ -38,14 +50,7 @@ from zoh.batch.compiled.track import (
     take,
     twice,
 )
-from zoh.batch.compiled.work import BLOCK, DOUBLINGS, LANES, PAST, WIDE
 from zoh.batch.tolerances import BAND, LEVELS, LOST, MOST, NEAR, NOTHING, QUIET, TURN
-
-# places of the figures
-(
-    OVERSHOOT, RISE, SETTLING, PEAK, PEAK_TIME, ERROR, EFFORT, BETWEEN_OVERSHOOT, BETWEEN_TIME,
-) = range(9)  # fmt: skip
-FIGURES = 9
 
 _CLOSE = 4.0 * BLOCK  # samples looked at one by one at least: what is met there costs the least
 
@@ -65,7 +70,7 @@ def step_metrics(
     begin(w, size)
     slowest = max(slowest, 1e-14)
     end = max(8.0, ceil(QUIET / slowest) + 4.0 * size)
-    k, level, done, lost = 0.0, 0, False, True
+    k, stride, level, done, lost = 0.0, 1.0, 0, False, True
     while level < LEVELS:
         twice(w, level + DOUBLINGS - 1, size)
         first_four(w, level, size)
@@ -75,18 +80,18 @@ def step_metrics(
                 every_sample(w, count, n, sign, full, k, size)
             elif long_stride(w, count, n, level, sign, full, k, size):
                 return True
-            k += BLOCK * 2.0**level
+            k += BLOCK * stride
             go_on(work.track(w).block, size)
-            if k < _CLOSE and outside(w, sign, full, size):
+            if k < _CLOSE and outside(w, sign, full):
                 continue
             done, turning = look(w, sign, full, at_rest, order, size)
-            slow = turning * 2.0 * 2.0**level <= TURN and k >= _CLOSE
+            slow = turning * 2.0 * stride <= TURN and k >= _CLOSE
             if done or k > end or slow:
                 lost = False
                 break
         if lost or done or k > end:
             break
-        level, lost = level + 1, True
+        level, stride, lost = level + 1, 2.0 * stride, True
     if lost:
         return True
     unknown = closing(w, n, sign, size)
@@ -100,18 +105,18 @@ def begin(w: int, size: int) -> None:
     t = work.track(w)
     start(t.seen)
     for j in range(size):
-        t.block[j, PAST] = 1.0 if j == size - 1 else 0.0
+        t.block[j, PAST] = work.motion(w).start[j]
+    for i in range(ROOM):
+        t.block[size - 1, i] = 1.0
     for level in range(DOUBLINGS - 1):
         twice(w, level, size)
 
 
 @compiled
-def outside(w: int, sign: float, full: float, size: int) -> bool:
+def outside(w: int, sign: float, full: float) -> bool:
     """Return whether the next sample is where no look can end well: the modes add up to as much."""
-    block, y = work.track(w).block, 0.0
-    for j in range(size):
-        y += work.motion(w).output[j] * block[j, PAST]
-    return abs(sign * y - full) >= NEAR * BAND * full
+    y = sign * work.track(w).block[0, PAST]
+    return bool(abs(y - full) >= NEAR * BAND * full)
 
 
 @shared
@@ -137,7 +142,7 @@ def left(
     take(t.block, PAST, size, a)
     wide = LANES if size <= LANES else WIDE
     for i in range(order):
-        dy[i] = sign * along(m.output, a, size) - (0.0 if i else full)
+        dy[i] = sign * a[0] - (0.0 if i else full)
         du[i] = along(m.effort, a, size) - (0.0 if i else at_rest)
         if i + 1 < order:
             product(a, 1.0, s, 0, wide, size, b)

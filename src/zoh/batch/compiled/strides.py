@@ -3,6 +3,7 @@
 from zoh.batch.compiled import work
 from zoh.batch.compiled.between import crest
 from zoh.batch.compiled.jit import shared
+from zoh.batch.compiled.room import BLOCK, PAST
 from zoh.batch.compiled.samples import shown
 from zoh.batch.compiled.track import (
     FOUND,
@@ -25,7 +26,6 @@ from zoh.batch.compiled.track import (
     move,
     take,
 )
-from zoh.batch.compiled.work import BLOCK, PAST
 from zoh.batch.tolerances import BAND, BELOW, CREST
 
 
@@ -36,7 +36,8 @@ def long_stride(
     """Look at a block at a stride of 2^level; return whether a crest between is not known."""
     m, t = work.motion(w), work.track(w)
     block, zs, seen = t.block, t.states, t.seen
-    shown(m.output, sign, block, Y, size)
+    for i in range(PAST, PAST + BLOCK):
+        block[Y, i] = sign * block[0, i]
     shown(m.effort, 1.0, block, U, size)
     ys, us = block[Y], block[U]
     stride, unknown = 2.0**level, False
@@ -121,7 +122,7 @@ def crest_of_y(
                 seen[HIGHEST], seen[WHEN] = height, k + shift + after
         if shift == 0:
             move(t.ladder[0], zs[FOUND], size, zs[THERE])
-            y = sign * along(m.output, zs[THERE], size)
+            y = sign * zs[THERE, 0]
             if y > seen[TOP]:
                 seen[TOP], seen[K_TOP] = y, k + 1.0
             for j in range(size):
@@ -138,7 +139,7 @@ def crest_of_band(
     zs, seen = t.states, t.seen
     k = last(w, m.output_moves, side * sign, 0.0, level + 1, k, end, size)
     move(t.ladder[0], zs[FOUND], size, zs[THERE])
-    if side * (sign * along(m.output, zs[THERE], size) - full) > BAND * full:
+    if side * (sign * zs[THERE, 0] - full) > BAND * full:
         for j in range(size):
             zs[FOUND, j] = zs[THERE, j]
         row, most = m.output, (BAND + side) * full

@@ -11,7 +11,7 @@ import numpy as np
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
 from zoh.batch.compiled.jit import compiled, shared
-from zoh.batch.compiled.work import BLOCK, DOUBLINGS, LANES, PAST, SEEN, WIDE
+from zoh.batch.compiled.room import BLOCK, DOUBLINGS, LANES, PAST, SEEN, WIDE
 
 _1, _2, _3, _4, _5, _6, _7 = (np.uint64(i) for i in range(1, 8))  # places that are never < 0
 
@@ -119,8 +119,8 @@ def filled(w: int, level: int, size: int) -> None:
 
 @compiled
 def single(s: Array, block: Array, at: int, length: int, size: int) -> None:
-    """Write the column so far after one."""
-    for i in range(size):
+    """Write the column so far after one; the one that Z ends with stays."""
+    for i in range(size - 1):
         total = block[i, at]
         for j in range(size):
             total += s[j, i] * block[j, at]
@@ -129,9 +129,9 @@ def single(s: Array, block: Array, at: int, length: int, size: int) -> None:
 
 @compiled
 def four(s: Array, block: Array, first: int, length: int, size: int) -> None:
-    """Write the columns so far after four."""
+    """Write the columns so far after four; the one that Z ends with stays."""
     at, to = np.uint64(first), np.uint64(first + length)
-    for i in range(size):
+    for i in range(size - 1):
         a, b, c, d = block[i, at], block[i, at + _1], block[i, at + _2], block[i, at + _3]
         for j in range(size):
             part = s[j, i]
@@ -145,7 +145,7 @@ def four(s: Array, block: Array, first: int, length: int, size: int) -> None:
 @compiled
 def go_on(block: Array, size: int) -> None:
     """Make what follows a block its first four samples, its last ones the past."""
-    for j in range(size):
+    for j in range(size - 1):
         for i in range(PAST + 4):
             block[j, i] = block[j, BLOCK + i]
     for i in range(PAST):

@@ -2,7 +2,7 @@
 
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled.jit import compiled
-from zoh.batch.compiled.work import LATE, WHOLE, Plant
+from zoh.batch.compiled.room import LATE, WHOLE, Plant
 
 
 @compiled
@@ -45,7 +45,6 @@ def transfer(p: Plant, n: int) -> None:
                 total += rows[k, i] * p.enters[WHOLE, i]
             if k:
                 total += rows[k - 1, i] * p.enters[LATE, i]
-        m[0, 0] = 0.0
         top[k] = total
     in_p(top, n, rows)
     for k in range(n + 1):
@@ -56,7 +55,7 @@ def transfer(p: Plant, n: int) -> None:
 @compiled
 def in_p(x: Array, n: int, work: Array) -> None:
     """Turn powers of z - 1 into powers of p, times (1 - p)^n: Horner's scheme in 2p and 1 - p."""
-    out, power = work.ravel()[: n + 1], work.ravel()[n + 1 : 2 * n + 2]
+    out, power = work[0], work[1]
     for k in range(n + 1):
         out[k], power[k] = 0.0, 0.0
     power[0] = 1.0
