@@ -1,6 +1,7 @@
 """The compiled arithmetic is compiled by another process, once, and that is said."""
 
 import ctypes
+import os
 import subprocess
 import sys
 from subprocess import CompletedProcess
@@ -75,11 +76,13 @@ def test_what_was_made_is_tried_before_it_is_kept(begun, monkeypatch):
     does["code"] = 1
     with pytest.raises(OSError, match="does not run"):
         first_use.compile_and_keep()
-    assert not file.exists()
+    assert not list(file.parent.iterdir())
     does["code"] = 0
     first_use.compile_and_keep()
     assert file.read_bytes() == b"new\n\n\0code"
+    assert list(file.parent.iterdir()) == [file]
     assert all("try_it" in command[2] for command in commands)
+    assert str(os.getpid()) in commands[0][2]  # of two that compile neither writes the other's
 
 
 def test_a_start_needs_no_numba():

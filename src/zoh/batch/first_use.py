@@ -39,22 +39,26 @@ def compile_and_keep() -> None:
     """Compile, and keep what was made if another process can run it."""
     from zoh.batch.compiled.kernel import machine_code
 
-    made = _file().with_suffix(".tried")  # the sources' as they are before they are compiled
+    wanted = _file()  # the sources' as they are before they are compiled
+    made = wanted.with_suffix(f".{os.getpid()}")  # others may compile beside this one
     name, code = machine_code()
     made.parent.mkdir(parents=True, exist_ok=True)
-    made.write_bytes(name.encode() + b"\n" + code)
-    if not _in_another_process("try_it()"):
-        raise OSError(f"{made} does not run")
-    made.replace(_file())
+    try:
+        made.write_bytes(name.encode() + b"\n" + code)
+        if not _in_another_process(f"try_it({str(made)!r})"):
+            raise OSError(f"{made} does not run")
+        made.replace(wanted)
+    finally:
+        made.unlink(missing_ok=True)
 
 
-def try_it() -> None:
-    """Run what was made."""
+def try_it(made: str) -> None:
+    """Run what was made, kept in a file."""
     from zoh.batch.compiled.run import run
 
     job = Job(plant=Plant(num=(1.0,), den=(1.0, 1.0)), law="pi", asked={"pm_deg": 60}, dt=0.1,
               varying=("wc",))  # fmt: skip
-    run(job, {"wc": np.array([0.5])}, 1, _kept(_file().with_suffix(".tried")))
+    run(job, {"wc": np.array([0.5])}, 1, _kept(Path(made)))
 
 
 def _in_another_process(call: str) -> bool:
