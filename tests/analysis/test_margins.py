@@ -212,6 +212,28 @@ def test_a_hidden_unstable_mode_is_unstable():
     assert not margins(Plant(num=[1, -1], den=[1, 1, -2])).stable
 
 
+@pytest.mark.parametrize("dt", [1.0, 1e-6])
+@pytest.mark.parametrize(
+    ("num", "den", "plain_num", "plain_den"),
+    [
+        # (z^2 - z/2 + 1), (z^2 - z + 1) and (z^2 + 1/2 z + 1) shared: 0/0 on the circle
+        ([0.5, -0.25, 0.5], [1, -1, 1.25, -0.5], [0.5], [1, -0.5]),
+        ([0.5, -0.5, 0.5], [1, -1.5, 1.75, -0.75, 0.25], [0.5], [1, -0.5, 0.25]),
+        ([0.5, 0.5, 0.625, 0.25], [1, 0, 0.75, -1, -0.25, -0.5], [0.5, 0.25],
+         [1, -0.5, 0, -0.5]),
+    ],
+)  # fmt: skip
+def test_what_is_shared_on_the_circle_is_seen_past(num, den, plain_num, plain_den, dt):
+    seen = margins(Sampled(num=num, den=den, dt=dt))
+    plain = margins(Sampled(num=plain_num, den=plain_den, dt=dt))
+    assert seen.stable is False
+    assert seen.certificate.holds
+    for name in ("gain_margin", "phase_margin_deg", "modulus_margin", "mt", "disk_margin"):
+        assert getattr(seen, name) == pytest.approx(getattr(plain, name), rel=1e-9)
+    assert len(seen.gain_crossings) == len(plain.gain_crossings)
+    assert len(seen.phase_crossings) == len(plain.phase_crossings)
+
+
 def test_two_crossings_on_a_needle_are_two():
     """A resonance that reaches over 1 by a hair, on a band a millionth of w wide."""
     zeta, wn = 1e-6, 7.0

@@ -1,5 +1,6 @@
 """Signs and counts decide what floats cannot: against hand-made roots and mpmath."""
 
+from collections import Counter
 from fractions import Fraction
 from math import inf
 
@@ -164,3 +165,22 @@ def test_positive_seen_from_near_and_from_far(power):
     assert signs.positive(whole.times(one, one), float(r)) == "Descartes"
     assert signs.positive(whole.times(other, other), 1 / r) == "Descartes"
     assert signs.positive(whole.times(one, one), 0.01 * r) == "Sturm"
+
+
+@given(ROOTS, ROOTS, ROOTS)
+def test_common_is_what_both_are_made_of(mine, its, shared):
+    a, b = from_roots(mine + shared), from_roots(its + shared)
+    both = sorted((Counter(mine + shared) & Counter(its + shared)).elements())
+    assert signs.common(a, b) == signs.common([0, *b], [-c for c in a]) == from_roots(both)
+    assert not signs.share_nothing(a, b)  # it never says so of what shares something
+    nothing = not set(mine) & set(its)
+    assert signs.share_nothing(from_roots(mine), from_roots(its)) is nothing
+
+
+def test_nothing_is_shared_with_nothing():
+    assert not signs.share_nothing([0, 0], [1, 2])
+    assert not signs.share_nothing([1, 2], [0])
+    prime = 2**61 - 1  # both leads are 0 modulo it: the look cannot tell
+    assert not signs.share_nothing([prime, 1], [2 * prime, 1])
+    assert signs.share_nothing([prime, 1], [2, 1])
+    assert signs.share_nothing([2], [3])

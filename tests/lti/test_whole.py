@@ -1,7 +1,7 @@
 """Whole-number polynomials keep what floats cannot: against exact fractions."""
 
 from fractions import Fraction
-from math import comb
+from math import comb, gcd
 
 import pytest
 from hypothesis import given
@@ -94,3 +94,10 @@ def test_on_the_axis_it_is_the_polynomial(a):
         q = v * v
         assert direct[0] == sum(c * q**k for k, c in enumerate(reversed(even)))
         assert direct[1] == v * sum(c * q**k for k, c in enumerate(reversed(odd)))
+
+
+@given(COEFFICIENTS, COEFFICIENTS)
+def test_a_quotient_is_the_other_factor(a, b):
+    b = [c // gcd(*b) for c in b]
+    assert whole.divided(whole.times(a, b), b) == a
+    assert whole.divided([0, *whole.times(a, b)], b) == [0, *a]

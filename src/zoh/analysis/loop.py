@@ -6,7 +6,7 @@ Nyquist frequency, and psi = delay w dt. Everything that is measured is measured
 """
 
 from cmath import exp
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import atan, inf
 from operator import is_
@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from zoh.analysis.axis import scalar, with_slope
 from zoh.errors import SpecError
-from zoh.lti import poly, whole
+from zoh.lti import poly, signs, whole
 from zoh.lti.poly import Poly
 from zoh.lti.systems import Plant, Sampled
 from zoh.lti.whole import Whole
@@ -141,6 +141,23 @@ class Loop:
     def closed(self, sign: float = 1.0) -> Poly:
         """Return den + sign num, the closed loop's polynomial where there is no delay."""
         return poly.plus(self.den, self.num, sign)
+
+    def without_shared(self) -> "Loop | None":
+        """Return the loop of the same gain whose num and den share nothing.
+
+        On the axis a shared factor is 0/0: L is seen on both sides of it, and not there. None
+        where nothing is shared.
+        """
+        num, den = self.exact
+        if not any(num) or signs.share_nothing(num, den):
+            return None
+        shared = signs.common(num, den)
+        if len(shared) == 1:
+            return None
+        num, den = whole.divided(num, shared), whole.divided(den, shared)
+        unit = max(map(abs, [*num, *den]))
+        top, bottom = (tuple([c / unit for c in a]) for a in (num, den))
+        return replace(self, num=top, den=bottom, exact=(num, den))
 
 
 class _These:

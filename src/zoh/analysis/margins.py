@@ -62,7 +62,9 @@ def measure_loop(loop: Loop) -> Margins:
     What the figures rest on is in their ``warnings`` alone.
     """
     try:
-        found = _looked_at(loop)
+        found = _looked_at(loop, decided(loop))
+        if not _holds(found) and (plain := loop.without_shared()) is not None:
+            loop, found = plain, _looked_at(plain, decided(loop))
     except OverflowError:
         raise out_of_range([*loop.num, *loop.den]) from None
     numbers = [found.gain_margin, found.phase_margin_deg, found.modulus_margin, found.mt]
@@ -79,7 +81,7 @@ def glance(loop: Loop) -> Margins:
     """
     try:
         if loop.dead_time <= _CHEAP * (loop.dt or 0.0):
-            return _looked_at(loop)
+            return _looked_at(loop, decided(loop))
         with np.errstate(all="ignore"):
             squares = Squares.of(loop)
             return _measured(loop, squares, Close.of(loop, squares), decided(loop), prove=False)
@@ -109,11 +111,10 @@ def _nearest(by_gain: Crossings) -> tuple[float | None, float]:
     return min(by_gain, key=lambda c: abs(c[1]), default=(None, inf))
 
 
-def _looked_at(loop: Loop) -> Margins:
+def _looked_at(loop: Loop, stable: tuple[bool | None, Proof]) -> Margins:
     """Return what a sparse look shows where it is proved to be all, else what a close one does."""
     with np.errstate(all="ignore"):  # what overflows is asked for afterwards
         squares = Squares.of(loop)
-        stable = decided(loop)
         look = Sparse.of(loop, squares)
         found = _measured(loop, squares, look, stable) if look else None
         if found is None or not _holds(found):

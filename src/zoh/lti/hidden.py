@@ -4,14 +4,49 @@ A shared factor is a part of the machine that the input does not move or the out
 see. A controller cannot change it, so one that is unstable keeps every loop unstable.
 """
 
+from dataclasses import dataclass
 from fractions import Fraction
+from math import gcd, lcm
 
 import numpy as np
 
-from zoh.lti import digits, poly
+from zoh.lti import digits, poly, signs, whole
+from zoh.lti.digits import Exact
 from zoh.lti.poly import ComplexArray
-from zoh.lti.rational import Unreadable, common, divided
 from zoh.lti.systems import Plant
+
+_ON_AXIS = 1e-9  # of its size: how far from the imaginary axis rounding may put a mode on it
+
+
+@dataclass(frozen=True, slots=True)
+class Apart:
+    """num and den that share nothing, and ``modes``, what they shared; all exact.
+
+    stable  whether every hidden mode is strictly on the left
+    """
+
+    num: Exact
+    den: Exact
+    modes: Exact
+    stable: bool
+
+    @classmethod
+    def of(cls, num: Exact, den: Exact) -> "Apart | None":
+        """Return the parts of num/den; None where nothing is shared."""
+        if len(num) == 1:
+            return None
+        ratios = [[c.as_integer_ratio() for c in a] for a in (num, den)]
+        unit = lcm(*(bottom for a in ratios for _, bottom in a))
+        top, bottom = ([a * (unit // b) for a, b in ratio] for ratio in ratios)
+        if signs.share_nothing(top, bottom) or len(modes := signs.common(top, bottom)) == 1:
+            return None
+        part = gcd(modes[0], 10 ** modes[0].bit_length())  # decimals can divide by it
+        top, bottom = ([c * part for c in whole.divided(a, modes)] for a in (top, bottom))
+        num, den, shared = (
+            digits.exact([Fraction(c, over) for c in a])
+            for a, over in ((top, unit), (bottom, unit), (modes, part))
+        )
+        return cls(num, den, shared, signs.hurwitz(modes))
 
 
 def hidden_modes(plant: Plant) -> ComplexArray:
@@ -20,17 +55,21 @@ def hidden_modes(plant: Plant) -> ComplexArray:
     >>> hidden_modes(Plant.parse("(s-1)/((s-1)(s+2))")).tolist()
     [(1+0j)]
     """
-    num, den = (tuple(Fraction(c) for c in a) for a in plant.exact)
-    try:
-        shared = common(den, num)
-    except Unreadable:  # digits that share nothing exactly grow until they are refused
-        return np.zeros(0, complex)
-    return poly.roots([float(c / shared[0]) for c in shared]).astype(complex)
+    apart = Apart.of(*plant.exact)
+    return np.zeros(0, complex) if apart is None else _roots(apart)
+
+
+def _roots(apart: Apart) -> ComplexArray:
+    lead = Fraction(apart.modes[0])
+    return poly.roots([float(Fraction(c) / lead) for c in apart.modes]).astype(complex)
 
 
 def unstable_hidden(plant: Plant) -> list[complex]:
     """Return the hidden modes on the imaginary axis or to its right, in rad/s."""
-    return [complex(s) for s in hidden_modes(plant).tolist() if s.real >= 0]
+    apart = Apart.of(*plant.exact)
+    if apart is None or apart.stable:
+        return []
+    return [complex(s) for s in _roots(apart).tolist() if s.real >= -_ON_AXIS * abs(s)]
 
 
 def without_hidden(plant: Plant) -> Plant:
@@ -39,8 +78,7 @@ def without_hidden(plant: Plant) -> Plant:
     >>> without_hidden(Plant.parse("(s-1)/((s-1)(s+2))")).den
     (1.0, 2.0)
     """
-    num, den = (tuple(Fraction(c) for c in a) for a in plant.exact)
-    shared = common(den, num)
-    shared = tuple(c / shared[0] for c in shared)
-    top, bottom = (digits.exact(divided(a, shared)) for a in (num, den))
-    return Plant.from_exact(top, bottom, dead_time=plant.dead_time, sensor=plant.sensor)
+    apart = Apart.of(*plant.exact)
+    if apart is None:
+        return plant
+    return Plant.from_exact(apart.num, apart.den, dead_time=plant.dead_time, sensor=plant.sensor)

@@ -14,7 +14,7 @@ from zoh.errors import SpecError
 from zoh.lti import poly
 from zoh.lti.given import check_fraction, delay_at_zero, in_w
 from zoh.lti.poly import ComplexArray, Poly
-from zoh.lti.whole import of
+from zoh.lti.whole import of, times
 from zoh.lti.wplane import w_to_z, z_to_w
 
 Wholes = tuple[list[int], list[int], int]  # num, den, and the one power of two that they are times
@@ -75,7 +75,7 @@ class Sampled:
         """Return (num, den, unit): the w-form times unit in whole numbers, exactly; kept.
 
         Of given z-coefficients it is what these say, of others what the floats of num_w and
-        den_w say.
+        den_w say; a plant's hidden modes are in both, exactly.
         """
         if self._whole is None:
             (num, den), unit = of(self.num_w, self.den_w)
@@ -104,6 +104,19 @@ class Sampled:
         put(system, "_given", rounded)
         put(system, "_whole", exact)
         return system
+
+    def sharing(self, plain: "Sampled", modes: "Sampled") -> "Sampled":
+        """Return this system with the w-form plain den_w/den_w, den_w that of ``modes``, exactly.
+
+        What is common to numerator and denominator is so in ``whole_w``, too.
+        """
+        (shared,), its_unit = of(modes.den_w)
+        num, den, unit = plain.whole_w
+        num, den, unit = times(num, shared), times(den, shared), unit * its_unit
+        return Sampled.made(
+            num=self.num, den=self.den, dt=self.dt, num_w=_floats(num, unit),
+            den_w=_floats(den, unit), delay=self.delay, exact=(num, den, unit),
+        )  # fmt: skip
 
     @classmethod
     def from_w(

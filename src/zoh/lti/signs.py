@@ -8,6 +8,8 @@ from operator import ne
 
 from zoh.lti.whole import Whole, shifted, trim
 
+_PRIME = (1 << 61) - 1
+
 
 def variations(a: Whole) -> int:
     """Return how often the coefficients change sign: at least the number of positive roots.
@@ -62,11 +64,50 @@ def repeated(a: Whole) -> list[int]:
     >>> repeated((1, -4, 5, -2))  # (x - 1)^2 (x - 2)
     [1, -1]
     """
-    one, other = list(a), _derivative(a)
+    return common(a, _derivative(a))
+
+
+def common(a: Whole, b: Whole) -> list[int]:
+    """Return the greatest common divisor, its coefficients without a common factor.
+
+    >>> common((2, 2), (1, 0, -1))
+    [1, 1]
+    """
+    one, other = _led(a), _led(b)
+    if len(one) < len(other):
+        one, other = other, one
     while other:
         one, other = other, _negative_remainder(one, other)
     one = _reduced(one)
     return one if one[0] > 0 else [-c for c in one]
+
+
+def share_nothing(a: Whole, b: Whole) -> bool:
+    """Return whether no root is common to both, where a look modulo a prime can tell.
+
+    What is common to both is so modulo a prime, too, unless that divides both leads.
+
+    >>> share_nothing((1, 2), (1, 0, -1)), share_nothing((1, 1), (1, 0, -1))
+    (True, False)
+    """
+    one, other = ([c % _PRIME for c in _led(x)] for x in (a, b))
+    if not (one and other and (one[0] or other[0])):
+        return False
+    while other := _led(other):
+        inverse = pow(other[0], -1, _PRIME)
+        while len(one) >= len(other):
+            factor = one[0] * inverse
+            for i, c in enumerate(other):
+                one[i] = (one[i] - factor * c) % _PRIME
+            del one[0]
+        one, other = other, one
+    return len(one) == 1
+
+
+def _led(a: Whole) -> list[int]:
+    """Return the coefficients from the first that is not 0 on."""
+    first = next((i for i, c in enumerate(a) if c), len(a))
+    return list(a[first:])
 
 
 def _derivative(a: Whole) -> list[int]:
@@ -83,9 +124,7 @@ def _negative_remainder(a: Whole, b: Whole) -> list[int]:
         for i in range(len(rest)):
             rest[i] = lead * rest[i] - (factor * b[i] if i < len(b) else 0)
         del rest[0]
-    while rest and not rest[0]:
-        del rest[0]
-    return _reduced([-c for c in rest])
+    return _reduced([-c for c in _led(rest)])
 
 
 def positive(a: Whole, near: float = 0.0) -> str | None:

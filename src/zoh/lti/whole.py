@@ -37,6 +37,21 @@ def times(a: Whole, b: Whole) -> list[int]:
     return out
 
 
+def divided(a: Whole, b: Whole) -> list[int]:
+    """Return a/b, where b divides a and its coefficients have no common factor.
+
+    >>> divided((1, 3, 2), (1, 1))
+    [1, 2]
+    """
+    rest, out = list(a), []
+    for i in range(len(a) - len(b) + 1):
+        factor = rest[i] // b[0]
+        out.append(factor)
+        for j, c in enumerate(b, i):
+            rest[j] -= factor * c
+    return out
+
+
 def power(a: Whole, n: int) -> list[int]:
     """Return a to the n-th power, n >= 0.
 

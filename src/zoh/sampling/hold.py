@@ -29,6 +29,7 @@ from zoh.errors import SpecError
 from zoh.lti import digits
 from zoh.lti.digits import Exact
 from zoh.lti.frequency_response import FrequencyResponse
+from zoh.lti.hidden import Apart
 from zoh.lti.systems import Plant, Sampled, sample_time
 from zoh.sampling.fixed import Ratio
 from zoh.sampling.images import sampled_table
@@ -37,6 +38,7 @@ from zoh.sampling.response import FixedResponse, Scaled
 MAX_DELAY = 10_000  # samples; a loop that waits longer is not a feedback loop
 _NOTHING = 256  # bits beyond all that was lost: no true coefficient is anywhere near as small
 _NOW: Ratio = (0, 1)
+_ONE = Decimal(1)
 
 
 @overload
@@ -84,7 +86,21 @@ def sample(
 def _held(
     exact: tuple[Exact, Exact], sensor: float, dt: float, dead_time: float, compute_delay: float
 ) -> Sampled:
-    """Return the plant held; kept, for a design and each of its measurements ask for it again."""
+    """Return the plant held; kept, for a design and each of its measurements ask for it again.
+
+    What its num and den share they share afterwards, too: a hidden mode on the boundary is there.
+    """
+    held, apart = _as_it_is(exact, sensor, dt, dead_time, compute_delay), Apart.of(*exact)
+    if apart is None:
+        return held
+    plain = _as_it_is((apart.num, apart.den), sensor, dt, dead_time, compute_delay)
+    return held.sharing(plain, _as_it_is(((_ONE,), apart.modes), 1.0, dt, 0.0, 0.0))
+
+
+def _as_it_is(
+    exact: tuple[Exact, Exact], sensor: float, dt: float, dead_time: float, compute_delay: float
+) -> Sampled:
+    """Return the plant held, each coefficient by itself."""
     m, whole = _samples(dead_time, compute_delay, dt)
     lead = _NOW if whole else _lead(m, dead_time, compute_delay, dt)
     plant = Scaled.of(*exact, sensor, dt)
