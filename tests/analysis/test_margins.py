@@ -2,7 +2,7 @@
 
 import json
 from fractions import Fraction
-from math import degrees, inf, pi, radians, sqrt, tau
+from math import asin, degrees, inf, pi, radians, remainder, sqrt, tau
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from mpmath import mp, mpc, mpf
 
 from zoh.analysis.loop import Loop
-from zoh.analysis.margins import margins, measure_loop
+from zoh.analysis.margins import margins, measure_loop, nearest_crossing
 from zoh.errors import AccuracyWarning, SpecError
 from zoh.lti.systems import Plant, Sampled
 from zoh.sampling.hold import sample
@@ -210,6 +210,25 @@ def test_what_is_not_proved_to_be_stable_is_not_called_unstable():
 def test_a_hidden_unstable_mode_is_unstable():
     assert not margins(Sampled(num=[0.125, -0.15], den=[1, -2.1, 1.08], dt=0.1)).stable
     assert not margins(Plant(num=[1, -1], den=[1, 1, -2])).stable
+
+
+@pytest.mark.parametrize("samples", [0.0, 2.0, 3.0, 7.0, 40.0])
+@pytest.mark.parametrize("gain", [0.01, 0.3])
+def test_the_nearest_crossing_by_itself_is_where_the_gain_is_one(samples, gain):
+    # |K/(z - 1)| = 1: 2 sin(w/2) = K; its phase there is -90 deg - w/2, the delay's turn apart
+    loop = Sampled(num=[gain], den=[1, -1] + [0] * int(samples), dt=1.0)
+    w = 2 * asin(gain / 2)
+    crossover, margin = nearest_crossing(Loop.of(loop))
+    assert crossover == pytest.approx(w, rel=REL)
+    assert margin == pytest.approx(remainder(90 - degrees(w * (samples + 0.5)), 360), abs=DEG)
+
+
+def test_no_crossing_is_infinitely_far_away():
+    late = [0] * 5
+    assert nearest_crossing(Loop.of(Sampled(num=[0.1], den=[1, -0.5, *late], dt=1.0))) == (
+        None,
+        inf,
+    )
 
 
 @pytest.mark.parametrize("dt", [1.0, 1e-6])
