@@ -4,6 +4,7 @@ import ctypes
 import os
 import subprocess
 import sys
+from hashlib import sha256
 from subprocess import CompletedProcess
 
 import pytest
@@ -17,36 +18,43 @@ from zoh.batch.compiled import kernel, machine
 from zoh.batch.compiled.addresses import numbers
 from zoh.batch.compiled.jit import object_file
 
+CODE = b"code\n\0and more"
+
+
+def whole(name, code):
+    return b"\n".join([name, sha256(code).hexdigest().encode(), code])
+
 
 @pytest.fixture
 def begun(monkeypatch, tmp_path):
-    """Return the commands that are begun, each keeping a file; it is looked for in tmp_path."""
-    commands, file = [], tmp_path / "kernel.o"
-    does = {"code": 0}
+    """Return the commands that are begun, each keeping a file, and the two where it may be."""
+    files = tmp_path / "beside" / "kernel.o", tmp_path / "own" / "kernel.o"
+    commands, does = [], {"code": 0, "keeps": whole(b"name", CODE)}
+    for file in files:
+        file.parent.mkdir()
 
     def run(command, check, stderr):
         assert not check
         assert stderr == subprocess.DEVNULL  # one line says that it failed
         commands.append(command)
-        if not does["code"]:
-            file.write_bytes(b"name\ncode\nand more")
+        if not does["code"] and "compile_and_keep" in command[2]:
+            files[0].write_bytes(does["keeps"])
         return CompletedProcess(command, does["code"])
 
-    monkeypatch.setattr(first_use, "_file", lambda: file)
+    monkeypatch.setattr(first_use, "_files", lambda: files)
     monkeypatch.setattr(first_use.subprocess, "run", run)
     monkeypatch.setattr(machine, "loaded", lambda name, code: (name, code))
     first_use.kernel.cache_clear()
-    yield commands, file, does
+    yield commands, files, does
     first_use.kernel.cache_clear()
 
 
 def test_another_process_compiles_once(begun, capsys):
     commands, _, _ = begun
-    assert first_use.kernel() == ("name", b"code\nand more")
+    assert first_use.kernel() == ("name", CODE)
     first_use.kernel()
     assert len(commands) == 1
     assert commands[0][:2] == [sys.executable, "-c"]
-    assert "compile_and_keep" in commands[0][2]
     said = capsys.readouterr()
     assert not said.out
     assert said.err.splitlines() == [
@@ -54,35 +62,59 @@ def test_another_process_compiles_once(begun, capsys):
     ]  # fmt: skip
 
 
-def test_what_is_kept_is_not_compiled_again(begun, capsys):
-    commands, file, _ = begun
-    file.write_bytes(b"a\nb")
+@pytest.mark.parametrize("place", [0, 1])
+def test_what_is_kept_is_not_compiled_again(begun, capsys, place):
+    commands, files, _ = begun
+    files[place].write_bytes(whole(b"a", b"b"))
     assert first_use.kernel() == ("a", b"b")
     assert not commands
     assert not capsys.readouterr().err
 
 
-def test_where_that_process_fails_this_one_goes_on(begun, capsys, monkeypatch):
+@pytest.mark.parametrize("damage", [lambda a: b"", lambda a: a[:-1], lambda a: a[:-1] + b"?"])
+def test_what_is_damaged_is_made_again(begun, damage):
+    commands, files, _ = begun
+    files[0].write_bytes(damage(whole(b"a", CODE)))
+    assert first_use.kernel() == ("name", CODE)
+    assert len(commands) == 1
+    files[1].write_bytes(damage(whole(b"a", CODE)))
+    with pytest.raises(OSError, match="is damaged"):
+        first_use.try_it(str(files[1]))
+
+
+@pytest.mark.parametrize("fails", [{"code": 1}, {"keeps": b"half"}])
+def test_where_that_process_fails_this_one_goes_on(begun, capsys, monkeypatch, fails):
     _, _, does = begun
-    does["code"] = 1
+    does |= fails
     monkeypatch.setattr(kernel, "machine_code", lambda: ("here", b""))
     assert first_use.kernel() == ("here", b"")
     assert capsys.readouterr().err.splitlines()[-1] == "zoh: compiling here instead"
 
 
 def test_what_was_made_is_tried_before_it_is_kept(begun, monkeypatch):
-    commands, file, does = begun
-    monkeypatch.setattr(kernel, "machine_code", lambda: ("new", b"\n\0code"))
+    commands, (file, own), does = begun
+    monkeypatch.setattr(kernel, "machine_code", lambda: ("new", CODE))
     does["code"] = 1
     with pytest.raises(OSError, match="does not run"):
         first_use.compile_and_keep()
     assert not list(file.parent.iterdir())
     does["code"] = 0
     first_use.compile_and_keep()
-    assert file.read_bytes() == b"new\n\n\0code"
+    assert file.read_bytes() == whole(b"new", CODE)
     assert list(file.parent.iterdir()) == [file]
+    assert not list(own.parent.iterdir())
     assert all("try_it" in command[2] for command in commands)
     assert str(os.getpid()) in commands[0][2]  # of two that compile neither writes the other's
+
+
+def test_where_the_sources_folder_is_closed_it_is_kept_in_ones_own(begun, monkeypatch):
+    _, (_, own), _ = begun
+    own.parent.rmdir()
+    closed = str(own.parent.with_name("beside"))
+    monkeypatch.setattr(first_use.os, "access", lambda folder, how: str(folder) != closed)
+    monkeypatch.setattr(kernel, "machine_code", lambda: ("new", CODE))
+    first_use.compile_and_keep()
+    assert own.read_bytes() == whole(b"new", CODE)
 
 
 def test_a_start_needs_no_numba():
@@ -90,7 +122,7 @@ def test_a_start_needs_no_numba():
         "import sys\n"
         "from zoh.batch.compiled import run\n"
         "from zoh.batch import first_use\n"
-        "first_use._file()\n"
+        "first_use._files()\n"
         "print('numba' in sys.modules, 'llvmlite' in sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

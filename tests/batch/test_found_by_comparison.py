@@ -129,3 +129,32 @@ def fast(job, columns):
         from zoh.batch.compiled import run as compiled
 
         yield compiled.run(job, columns, threads=1)
+
+
+@pytest.mark.parametrize(
+    ("num", "den", "law", "asked", "dt", "late", "scanned"),
+    [
+        # an extreme or two between two samples, the highest of 2000 points of each by SciPy's expm
+        ([36.0], [1, 3, 36.0], "pi", {"pm_deg": 70, "wc": 0.8}, 1.0, 0.0, 38.817716),
+        ([6.1], [1, 0.036, 6.1, 0], "pi", {"pm_deg": 75.87, "wc": 0.12}, 1.0, 0.0,
+         16.456292),
+        ([1, 1.4], [1, 100.1, 2510, 250], "pi", {"pm_deg": 30.76, "wc": 0.54}, 1.0, 0.5,
+         49.726095),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("arithmetic", ["arrays", "compiled"])
+def test_a_plant_that_turns_more_than_once_in_a_sample(
+    num, den, law, asked, dt, late, scanned, arithmetic
+):
+    if arithmetic == "compiled":
+        pytest.importorskip("numba", reason="the compiled arithmetic needs numba: zoh[fast]")
+    plant, wc = zoh.Plant(num=num, den=den), asked["wc"]
+    rest = {key: value for key, value in asked.items() if key != "wc"}
+    fast, single = (
+        zoh.sweep(plant, law, rest, dt=dt, compute_delay=late, over={"wc": [wc]}, arithmetic=by)
+        for by in (arithmetic, "single")
+    )
+    for name in ("reason", "between.overshoot_pct", "between.peak_time", "overshoot_pct"):
+        assert fast[name] == pytest.approx(single[name], rel=1e-9, nan_ok=True), name
+    # 3e-6: the points beside the highest one
+    assert fast["between.overshoot_pct"][0] == pytest.approx(scanned, rel=3e-6)

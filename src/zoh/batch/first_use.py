@@ -24,27 +24,28 @@ _COMMAND = "from zoh.batch import first_use; first_use.{}"
 @cache
 def kernel() -> machine.Kernel:
     """Return ``compiled.kernel.stretch``, compiled; say so on standard error where that is new."""
-    if not _file().exists():
-        sys.stderr.write("zoh: compiling the fast arithmetic, once: some two minutes ...\n")
-        made = _in_another_process("compile_and_keep()")
-        sys.stderr.write("zoh: compiled\n" if made else "zoh: compiling here instead\n")
-        if not made:
-            from zoh.batch.compiled.kernel import machine_code
+    if found := _kept():
+        return machine.loaded(*found)
+    sys.stderr.write("zoh: compiling the fast arithmetic, once: some two minutes ...\n")
+    made = _kept() if _in_another_process("compile_and_keep()") else None
+    sys.stderr.write("zoh: compiled\n" if made else "zoh: compiling here instead\n")
+    if made is None:
+        from zoh.batch.compiled.kernel import machine_code
 
-            return machine.loaded(*machine_code())
-    return _kept(_file())
+        made = machine_code()
+    return machine.loaded(*made)
 
 
 def compile_and_keep() -> None:
     """Compile, and keep what was made if another process can run it."""
     from zoh.batch.compiled.kernel import machine_code
 
-    wanted = _file()  # the sources' as they are before they are compiled
-    made = wanted.with_suffix(f".{os.getpid()}")  # others may compile beside this one
+    wanted = next(file for file in _files() if _may_write(file.parent))  # of the sources as they
+    made = wanted.with_suffix(f".{os.getpid()}")  # are now; others may compile beside this one
     name, code = machine_code()
     made.parent.mkdir(parents=True, exist_ok=True)
     try:
-        made.write_bytes(name.encode() + b"\n" + code)
+        made.write_bytes(b"\n".join([name.encode(), _digest(code), code]))
         if not _in_another_process(f"try_it({str(made)!r})"):
             raise OSError(f"{made} does not run")
         made.replace(wanted)
@@ -56,9 +57,12 @@ def try_it(made: str) -> None:
     """Run what was made, kept in a file."""
     from zoh.batch.compiled.run import run
 
+    found = _read(Path(made))
+    if found is None:
+        raise OSError(f"{made} is damaged")
     job = Job(plant=Plant(num=(1.0,), den=(1.0, 1.0)), law="pi", asked={"pm_deg": 60}, dt=0.1,
               varying=("wc",))  # fmt: skip
-    run(job, {"wc": np.array([0.5])}, 1, _kept(Path(made)))
+    run(job, {"wc": np.array([0.5])}, 1, machine.loaded(*found))
 
 
 def _in_another_process(call: str) -> bool:
@@ -68,25 +72,44 @@ def _in_another_process(call: str) -> bool:
     return done.returncode == 0
 
 
-def _kept(file: Path) -> machine.Kernel:
-    name, _, code = file.read_bytes().partition(b"\n")
-    return machine.loaded(name.decode(), code)
+def _kept() -> tuple[str, bytes] | None:
+    """Return (name, code) of a file that is there and whole."""
+    return next((found for file in _files() if (found := _read(file))), None)
+
+
+def _read(file: Path) -> tuple[str, bytes] | None:
+    """Return (name, code); None where the file is not there, or not what was written."""
+    try:
+        name, digest, code = file.read_bytes().split(b"\n", 2)
+    except (OSError, ValueError):
+        return None
+    return (name.decode(), code) if digest == _digest(code) else None
+
+
+def _digest(code: bytes) -> bytes:
+    return sha256(code).hexdigest().encode()
 
 
 @cache
-def _file() -> Path:
-    """Return where the code of these sources is kept, by this numba for this processor.
+def _files() -> tuple[Path, Path]:
+    """Return where the code of these sources may be, made by this numba for this processor.
 
-    In the folder beside them where Python keeps what it compiles, or, where that is not to be
-    written to, in the user's.
+    In the folder beside them where Python keeps what it compiles, and in the user's.
     """
     here = Path(__file__).with_name("compiled")
     read = [(f.name, f.read_bytes()) for f in sorted(here.glob("*.py"))]
     read.append(("tolerances", Path(__file__).with_name("tolerances.py").read_bytes()))
     of = sha256(repr((read, version("numba"), machine.processor())).encode()).hexdigest()[:16]
-    beside = here / "__pycache__"
-    mine = os.access(beside if beside.exists() else here, os.W_OK)
-    return (beside if mine else Path.home() / ".cache" / "zoh") / f"kernel-{of}.o"
+    folders = here / "__pycache__", Path.home() / ".cache" / "zoh"
+    beside, own = (folder / f"kernel-{of}.o" for folder in folders)
+    return beside, own
+
+
+def _may_write(folder: Path) -> bool:
+    """Return whether a file may be made in a folder, or the folder itself."""
+    while not folder.exists():
+        folder = folder.parent
+    return os.access(folder, os.W_OK)
 
 
 def cores() -> int:

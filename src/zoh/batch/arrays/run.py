@@ -27,6 +27,8 @@ CHUNK = 2048  # loops at a time: fewer are ruled by Python's calls, more leave a
 
 _ORDER = 6  # of the plant
 _DELAYS = 4  # whole samples: each is a power in the loop and a state in its motion
+_FASTEST = 1.2  # |s| dt of a plant's poles: beyond it there may be two crests in one sample
+_SQUARINGS = 4  # of the poles: their sizes then differ by the 16th power, and a bound's 12 is 1.17
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -102,10 +104,50 @@ def batch(job: Job, columns: Columns, n: int) -> Batch:
         lead = np.where(whole, 0.0, (delay * dt - late) / dt)
         num = np.concatenate([num[::-1], np.zeros((len(den) - len(num), n))])
         num, den = num * (job.plant.sensor / den[0]), den[::-1] / den[0]
+        regular &= _turns_once(den) | (_fastest(den, dt) <= _FASTEST)
     return Batch(
         num=num, den=den, dt=dt, delay=np.where(regular, delay, 0).astype(np.int64), lead=lead,
         asked=asked, regular=regular, beyond=beyond,
     )  # fmt: skip
+
+
+def _turns_once(den: Array) -> Mask:
+    """Return whether under a held input the output turns once at most, however long it is held.
+
+    Its slope is a sum of as many exponentials as there are poles: where two are real, of two.
+    Source: G. Polya, G. Szego, Problems and Theorems in Analysis, vol. 2, part 5, no. 75 (the zeros
+    of a sum of real exponentials are fewer than its terms).
+    """
+    order = len(den) - 1
+    if order == 2:
+        return np.asarray(den[1] ** 2 >= 4 * den[0])
+    return np.full(den.shape[1], order < 2)
+
+
+def _fastest(den: Array, dt: Array) -> Array:
+    """Return bounds of the poles' |s| dt, 1.17 times the truth at most where that matters.
+
+    den  monic, ascending powers of s
+    Source: M. Fujiwara, Tohoku Math. J. 10 (1916), the bound; P. Henrici, Applied and Computational
+    Complex Analysis, vol. 1, sec. 6.7 (Graeffe's squaring of the roots).
+    """
+    a = den[::-1] * dt ** np.arange(float(len(den)))[:, None]
+    bound = _fujiwara(a)
+    if np.all(bound <= _FASTEST):
+        return bound
+    n = len(a) - 1
+    for _ in range(_SQUARINGS):
+        squared = a * a
+        for j in range(n + 1):
+            for i in range(1, min(j, n - j) + 1):
+                squared[j] += (-1) ** i * 2 * a[j - i] * a[j + i]
+        a = squared
+    return np.asarray(np.minimum(bound, _fujiwara(a) ** (1 / 2**_SQUARINGS)))
+
+
+def _fujiwara(a: Array) -> Array:
+    bounds = [np.abs(row) ** (1 / k) for k, row in enumerate(a) if k]
+    return np.asarray(2 * np.max(bounds, axis=0)) if bounds else np.zeros(a.shape[1])
 
 
 def some(job: Job, columns: Columns, n: int) -> tuple[Results, Mask]:
