@@ -71,14 +71,18 @@ def response(
     if by == "ramp":
         motion = _error(motion)
     limit = effort_at_rest if abs(effort_at_rest) < inf else None
-    track = queue.track(motion, (final, limit)) if motion.wait else motion.track(final)
-    wave = Waveform.of(motion, track, final)
+    # what does not come to rest between the samples is followed until it is the same in each
+    goal = 0.0 if limit is None else final
+    track = queue.track(motion, (final, limit)) if motion.wait else motion.track(goal)
+    wave = Waveform.of(motion, track, final, inf)
     t, peak = max(wave.highest_between(1.0), wave.highest_between(-1.0), key=_second)
-    settled = wave.settles_between(final, BAND * max(peak, abs(final)))
+    reached = peak > abs(final) * (1 + _NOTHING) and t < wave.k[-1] * motion.dt
+    band = BAND * max(peak, abs(final))  # of the true peak, which had to be found first
+    settled = wave.closer(final, band).settles_between(final, band)
     return Response(
         excitation=by,
         peak=max(peak, abs(final)),
-        peak_time=t if peak > abs(final) * (1 + _NOTHING) else None,
+        peak_time=t if reached else None,
         final_value=final,
         settling_time=settled if track.rests else None,
         peak_effort=inf if limit is None else max(abs(limit), float(np.abs(wave.u).max())),
