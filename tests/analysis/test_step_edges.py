@@ -245,7 +245,7 @@ def test_the_first_of_very_many_crests_is_the_highest(zeta):
 def test_a_plant_beyond_floats_is_refused_in_one_line_and_without_a_warning(num, den):
     with (
         warnings.catch_warnings(action="error"),
-        pytest.raises(SpecError, match="^system must have rates and gains that 64-bit floats can"),
+        pytest.raises(SpecError, match=r"^system must have rates and gains that 64-bit floats can"),
     ):
         step_info(Plant(num=num, den=den))
 

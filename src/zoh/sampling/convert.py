@@ -49,8 +49,8 @@ def discretise(system: Plant, dt: float, method: str, prewarp: float | None = No
     the others. A fraction of dt in foh makes the order one higher. Coefficients are right to
     their last digit in z and in w, at every dt.
     Raises SpecError for an unknown method, for numbers out of range and for what a method
-    cannot do: feedthrough in impulse, a pole that a difference rule sends to infinity, a dt at which no float
-    is small enough for the numerator.
+    cannot do: feedthrough in impulse, a pole that a difference rule sends to infinity, a dt at
+    which no float is small enough for the numerator.
 
     >>> lag = Plant(num=[1], den=[1, 1])
     >>> discretise(lag, 1.0, "backward")  # z/(2 z - 1)
