@@ -13,7 +13,7 @@ from math import inf, sqrt
 import numpy as np
 
 from zoh.analysis import queue
-from zoh.analysis.closed import Excitation, closed_loop
+from zoh.analysis.closed import Excitation, check_plant, closed_loop
 from zoh.analysis.curves import Trace, trace_of
 from zoh.analysis.loop import Array, Loop
 from zoh.analysis.motion import BAND, Motion
@@ -53,7 +53,8 @@ def response(
 ) -> Response:
     """Return the figures of a stable loop excited ``by`` a step, impulse, ramp or disturbance.
 
-    Raises SpecError for an unstable loop or an unknown excitation.
+    Raises SpecError for an unstable loop, an unknown excitation and a table, which has no response
+    in time.
 
     >>> plant = Plant(num=[1], den=[1, 1])
     >>> d = response(plant, Sampled(num=[4.0], den=[1.0], dt=0.1), by="disturbance")
@@ -166,6 +167,7 @@ def _error(motion: Motion) -> Motion:
 
 
 def _check_stable(plant: Plant, controller: Sampled, compute_delay: float) -> None:
+    check_plant(plant)
     if not isinstance(controller, Sampled):
         raise SpecError("controller", "must be a zoh.Sampled", controller, "give num, den and dt")
     loop = Loop.of(controller, sample(plant, controller.dt, compute_delay))
