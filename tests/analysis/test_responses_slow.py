@@ -161,3 +161,12 @@ def test_the_peak_of_a_ripple_that_is_approached():
     # 1e-7: followed until a hundred millionth of the slowest mode is left
     assert got.peak == pytest.approx(20 + float(ripple), rel=1e-7)
     assert got.peak_time is None
+
+
+def test_a_peak_at_the_start_of_what_only_creeps_has_its_time():
+    """(s + 0.99)/(s + 1) under P 1: y is 1/2 at once and creeps to 0.99/1.99."""
+    plant = zoh.Plant(num=[1, 0.99], den=[1, 1])
+    got = zoh.response(plant, zoh.Sampled(num=[1], den=[1], dt=0.1), by="step")
+    assert (got.peak, got.peak_time) == (pytest.approx(0.5, rel=1e-14), 0.0)
+    assert got.final_value == pytest.approx(0.99 / 1.99, rel=1e-13)
+    assert got.settling_time == 0.0

@@ -72,12 +72,12 @@ def response(
     if by == "ramp":
         motion = _error(motion)
     limit = effort_at_rest if abs(effort_at_rest) < inf else None
-    # what does not come to rest between the samples is followed until it is the same in each
-    goal = 0.0 if limit is None else final
+    ripples = limit is None  # for ever between the samples: followed until it is the same in each
+    goal = 0.0 if ripples else final
     track = queue.track(motion, (final, limit)) if motion.wait else motion.track(goal)
     wave = Waveform.of(motion, track, final, inf)
     t, peak = max(wave.highest_between(1.0), wave.highest_between(-1.0), key=_second)
-    reached = peak > abs(final) * (1 + _NOTHING) and t < wave.k[-1] * motion.dt
+    reached = peak > abs(final) * (1 + _NOTHING) and not (ripples and t >= wave.k[-1] * motion.dt)
     band = BAND * max(peak, abs(final))  # of the true peak, which had to be found first
     settled = wave.closer(final, band).settles_between(final, band)
     return Response(
