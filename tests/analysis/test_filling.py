@@ -58,8 +58,8 @@ K = np.array([0, 1, 2, 3, 4, 14, 24, 34, 44, 54, 64, 74])
 STILL = np.zeros(12)
 
 
-def rows(y, u=STILL, final=1.0, k=K):
-    return wanted(k, np.array([y, u], float), final)
+def rows(y, u=STILL, final=1.0, k=K, band=None):
+    return wanted(k, np.array([y, u], float), final, 0.02 * abs(final) if band is None else band)
 
 
 def test_nothing_is_missing_where_nothing_was_left_out():
@@ -90,6 +90,15 @@ def test_where_it_rises_and_where_it_enters_the_band(sign, size):
     assert set(found) >= {5, 6, 8, 9}
     assert 7 not in found
     assert not {0, 1, 2, 3, 11} & set(found)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_band_around_nothing_is_that_which_is_given(sign):
+    y = sign * np.array([0, 1.0, 0.9, 0.8, 0.7, 0.5, 0.3, 0.1, 0.03, 0.01, 0.001, 0])
+    # outside 0.02 last at row 8, outside 0.2 at row 6
+    assert rows(y, final=0.0, band=0.02) == [7, 8]
+    assert rows(y, final=0.0, band=0.2) == [5, 6]
+    assert rows(y, final=0.0, band=np.inf) == []
 
 
 def test_a_rise_that_is_seen_is_not_looked_for():

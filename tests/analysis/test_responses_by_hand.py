@@ -241,3 +241,22 @@ def test_an_effort_that_creeps_up_to_its_end():
     got = zoh.response(plant, slow, by="step")
     assert got.peak_effort == pytest.approx(1 / 3, rel=1e-13)
     assert got.final_value == pytest.approx(1 / 3, rel=1e-13)
+
+
+def test_a_table_has_no_response_in_time():
+    table = zoh.FrequencyResponse(w=[1, 2, 4], magnitude=[1, 0.5, 0.25], phase_deg=[-90] * 3)
+    for ask in (
+        lambda: zoh.response(table, HALF, by="step"),
+        lambda: zoh.noise_gains(table, HALF),
+        lambda: zoh.trace(table, HALF, t_end=1.0),
+    ):
+        with pytest.raises(zoh.SpecError) as said:
+            ask()
+        assert str(said.value).startswith(
+            "plant must be a zoh.Plant, for a table has no response in time, got FrequencyResponse("
+        )
+        assert str(said.value).endswith(
+            "a table has margins, peaks and bandwidth: zoh.margins; fit a plant to it for the rest"
+        )
+    with pytest.raises(zoh.SpecError, match=r"^plant must be a zoh\.Plant, got 3: "):
+        zoh.response(3, HALF, by="step")

@@ -1,5 +1,6 @@
 """step, closed, waveform: edges and refusals, worked by hand."""
 
+import warnings
 from math import cos, exp, log, pi, sin, sqrt
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 
 import zoh
 from zoh.analysis.closed import closed_loop, followable
+from zoh.analysis.curves import trace
 from zoh.analysis.step import closed_loop_step, step_info
 from zoh.errors import SpecError
 from zoh.lti.systems import Plant, Sampled
@@ -230,3 +232,39 @@ def test_the_first_of_very_many_crests_is_the_highest(zeta):
     wanted = -100 * exp(-zeta * t) * (cos(w * t) + zeta / w * sin(w * t))
     assert found.overshoot_pct == pytest.approx(wanted, rel=1e-9)
     assert found.peak_time == pytest.approx(round(pi / 1e-3) * 1e-3, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("num", "den"),
+    [
+        ([1], [1e-320, 1]),  # a pole at -1e320 rad/s
+        ([1], [1, 1e-320]),  # one whose time constant is no float
+        ([1e300], [1e-320, 1e-320]),  # a gain of 1e620
+    ],
+)
+def test_a_plant_beyond_floats_is_refused_in_one_line_and_without_a_warning(num, den):
+    with (
+        warnings.catch_warnings(action="error"),
+        pytest.raises(SpecError, match=r"^system must have rates and gains that 64-bit floats can"),
+    ):
+        step_info(Plant(num=num, den=den))
+
+
+def test_the_least_floats_are_a_plant_as_any_other():
+    """5e-324/(5e-324 s + 5e-324) = 1/(s + 1): ln 9 from 10 to 90 %, ln 50 to 2 %."""
+    with warnings.catch_warnings(action="error"):
+        got = step_info(Plant(num=[5e-324], den=[5e-324, 5e-324]))
+    assert got.rise_time == pytest.approx(log(9), rel=1e-13)
+    assert got.settling_time == pytest.approx(log(50), rel=1e-13)
+
+
+def test_the_peak_of_a_plant_upside_down_is_a_size():
+    """-1/(s^2 + 0.4 s + 1) under P 1/2 ends at -1 and goes to 1.37 on that side."""
+    plant, half = Plant(num=[-1], den=[1, 0.4, 1]), Sampled(num=[0.5], den=[1], dt=0.1)
+    got = closed_loop_step(plant, half)
+    lowest = float(np.min(trace(plant, half, t_end=40.0).y))
+    assert got.final_value == pytest.approx(-1.0, rel=1e-13)
+    assert lowest < -1.37
+    assert got.peak == pytest.approx(-lowest, rel=1e-12)
+    twice = closed_loop_step(plant, half, reference=-2.0)
+    assert twice.peak == pytest.approx(2 * got.peak, rel=1e-15)

@@ -13,6 +13,8 @@ from zoh.analysis.tabled import margins, spread
 from zoh.analysis.tabled.path import (
     Path,
 )
+from zoh.lti.systems import Plant
+from zoh.sampling.hold import sample
 
 
 def test_crossings_of_a_spiral():
@@ -194,3 +196,25 @@ def test_slopes_are_those_at_the_place_and_not_around_it():
     path = Path.of(FrequencyResponse.from_complex(w=w, gain=1 / (1 + 1j * w)))
     # 1e-3: cubics over steps of 2.3 % of w, whose slope is off by the square of that
     assert spread._slopes(path, 1.0) == (near(-0.5, rel=1e-3), near(-0.5, rel=1e-3))
+
+
+@pytest.mark.parametrize("lowest", [0.05, 0.2])
+def test_the_bandwidth_of_a_loop_that_integrates_is_counted_from_1(lowest):
+    """2/(s (s + 1)) held for 0.1 s, whose |T| above the lowest point is not 1 there already."""
+    plant = sample(Plant(num=[2], den=[1, 1, 0]), 0.1)
+    w = np.geomspace(lowest, 31.4, 400)
+    m = margins.table_margins(FrequencyResponse.from_complex(w=w, gain=plant.at(w), dt=0.1))
+    # |G/(1 + G)|^2 falls to 10^-0.3 there by mpmath's findroot, G = 2 ((dt - 1 + a) z + 1 - a -
+    # a dt)/((z - 1)(z - a)), a = exp(-dt); 1e-8: a cubic over 1.6 % of w
+    assert m.bandwidth == pytest.approx(2.032718300395038, rel=1e-8)
+    assert not any("the bandwidth is counted" in line for line in m.warnings)
+
+
+def test_where_the_low_end_does_not_say_the_bandwidth_says_where_it_is_counted_from():
+    plant = sample(Plant(num=[2], den=[1, 1, 0]), 0.1)
+    w = np.geomspace(0.5, 31.4, 400)
+    m = margins.table_margins(FrequencyResponse.from_complex(w=w, gain=plant.at(w), dt=0.1))
+    assert m.bandwidth < 2.0
+    assert m.warnings[-1] == (
+        "the low end does not say |T| at 0: the bandwidth is counted from it at 0.5 rad/s"
+    )

@@ -105,6 +105,7 @@ SAID = [
         "crossings below 1 and above 4 rad/s are not seen, and nothing bounds what is there",
         "no phase crossing in the table: the gain margin given, 0 dB, is a bound",
         SHORT,
+        "the low end does not say |T| at 0: the bandwidth is counted from it at 1 rad/s",
     ),
     (
         powers([1, 2, 4], k=0.9, phase=-180.0, slope=0, uncertainty=0.05),
@@ -184,8 +185,8 @@ def test_the_margins_of_an_integrator_to_the_last_bit():
     assert m.mt == pytest.approx(1 / sqrt(1.25), **exact)
     assert m.mt_frequency == 0.5
     assert m.disk_margin == pytest.approx(2.0, **exact)  # |1 + L| = |1 - L|
-    # |T|^2 = 1/(1 + w^2), 0.8 at the first point
-    assert m.bandwidth == pytest.approx(sqrt(1 / (0.8 * DROP) - 1), **exact)
+    # |T|^2 = 1/(1 + w^2), 1 at w = 0 because the table begins as an integrator does
+    assert m.bandwidth == pytest.approx(sqrt(1 / DROP - 1), **exact)
     assert m.band == (0.5, 8.0)
     assert (m.interpolation.phase_margin_deg, m.interpolation.ms) == (0.0, 0.0)
     assert m.beyond.gain_margin == 8.0

@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-NAMES = ("hold", "margins", "step", "delayed")
+NAMES = ("hold", "margins", "step", "delayed", "response")
 
 
 def main(names):

@@ -151,3 +151,12 @@ def test_what_is_on_the_wrong_side():
 
 def test_prewarping_just_below_nyquist_is_possible():
     assert discretise(LAG, 1.0, "prewarp", pi * (1 - 1e-12)).dt == 1.0
+
+
+@pytest.mark.parametrize("method", [m for m in METHODS if m != "prewarp"])
+def test_a_numerator_below_all_floats_is_refused_by_every_method(method):
+    """1/s^2 at dt 1e-200: dt^2 is 1e-400."""
+    with pytest.raises(SpecError, match=r"^dt must leave the sampled plant a gain .* got 1e-200: "):
+        discretise(Plant(num=[1], den=[1, 0, 0]), 1e-200, method)
+    with pytest.raises(SpecError, match=r"^dt must leave the sampled plant a gain .* got 1e-200: "):
+        discretise(Plant(num=[1], den=[1, 0, 0]), 1e-200, "prewarp", prewarp=1.0)

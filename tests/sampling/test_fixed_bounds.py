@@ -3,6 +3,7 @@
 Four bits are sixteenths: 7 is 7/16, and every product is rounded down to the next sixteenth.
 """
 
+import random
 from decimal import Decimal
 
 import pytest
@@ -184,10 +185,10 @@ def test_the_response_later_by_hand():
 
 def test_a_lag_held_in_twenty_bits():
     # 1/(s + 1) at 1/16 s: sigma = s/4, y in halves, delta in halves. The growth has 8 terms, 6 9
-    # off; y and its sums 12; 54 + 12 + 2 = 68, the pole 70, and (1 + 2) 70 + 2
+    # off; y and its sums 12; 54 + 12 + 2 = 68, the pole one more, and (1 + 2) 69 + 2
     response = FixedResponse.of(scaled([1], [1, 1], dt=1 / 16), 20)
     got = response.sampled((0, 1))
-    assert (got.den_error, got.num_error) == (70, 212)
+    assert (got.den_error, got.num_error) == (69, 209)
     assert (got.first, got.last, got.at_one) == (1, 1, 0)
     assert (got.scale, got.gain, got.bits) == (1, -1, 20)
     with mp.workdps(30):
@@ -197,7 +198,7 @@ def test_a_lag_held_in_twenty_bits():
         assert (got.den[0], got.num[0]) == (1 << 20, 0)
     # 1/32 s later: 7 terms, 6 8 off; 48 + 2 (2 + 1) + 3 12 + 2 = 92; 54 + 92 + 2; 3 148 + 2
     late = response.sampled((1, 32))
-    assert (late.den_error, late.num_error) == (70, 446)
+    assert (late.den_error, late.num_error) == (69, 446)
     assert (late.first, late.last) == (0, 1)
     with mp.workdps(30):
         half = mp.exp(-mpf(1) / 32)
@@ -217,14 +218,65 @@ def test_what_is_zero_by_structure():
 
 
 def test_a_polynomial_by_its_power_sums_and_its_error():
-    # roots 1 and 2 in sixteenths, each sum off by 100: 100 + 2 = 102; size 5, sums 10:
-    # (500 + 1020 + (2 100 102 >> 4 = 1275))/2 + 2
-    assert from_power_sums([3 << 4, 5 << 4], 100, 4) == ([16, -48, 32], 1399)
-    assert from_power_sums([3 << 4, 5 << 4], 1, 4) == ([16, -48, 32], 19)  # 3, then 35/2 + 2
-    # 1, 2 and 3, off by 1: 1 + 2; (8 1 + 22 3)/2 + 2 = 39; (20 1 + 59 39 + (3 39 >> 4))/3 + 2
+    # roots 1 and 2 in sixteenths, each sum off by 100: 100 + 2 = 102, 7 units at most, so that
+    # 102 7 for each unit of the coefficients before the last, 1 and 3 and one for what was cut
+    assert from_power_sums([3 << 4, 5 << 4], 100, 4) == ([16, -48, 32], 102 * 7 * 5)
+    assert from_power_sums([3 << 4, 5 << 4], 1, 4) == ([16, -48, 32], 3 * 5)
+    # 1, 2 and 3, off by 1: 1 + 3 for each of 1, 6 + 1 and 11 + 1
     sums = [6 << 4, 14 << 4, 36 << 4]
-    assert from_power_sums(sums, 1, 4) == ([16, -96, 176, -96], 778)
+    assert from_power_sums(sums, 1, 4) == ([16, -96, 176, -96], 4 * 20)
     assert from_power_sums([], 7, 4) == ([16], 0)
+
+
+@pytest.mark.parametrize("error", [0, 1, 40, 1 << 12])
+def test_the_error_of_a_polynomial_holds_for_sums_off_by_as_much(error):
+    """Roots -3 ... 5 in 4096ths, each sum off by ``error`` one way or the other; exact products."""
+    rng, worst = random.Random(error), 0.0
+    for _ in range(40):
+        roots = [rng.randint(-3, 5) for _ in range(rng.randint(1, 6))]
+        true = [1]
+        for root in roots:
+            true = [a - root * b for a, b in zip([*true, 0], [0, *true], strict=True)]
+        sums = [
+            (sum(r**k for r in roots) << 12) + rng.choice([-error, error])
+            for k in range(1, len(roots) + 1)
+        ]
+        got, bound = from_power_sums(sums, error, 12)
+        off = max(abs(a - (b << 12)) for a, b in zip(got, true, strict=True))
+        assert off <= bound
+        worst = max(worst, off / bound)
+    assert worst > 1e-3 or not error  # a bound, and no more than one
+
+
+def test_a_mode_that_grows_by_far_is_held_at_once_and_right():
+    """Fifteen poles, one at +100/dt: what grows by e^100 and its powers, by partial fractions."""
+    poles = [100.0] + [-(i + 1) * 100 / 15 for i in range(14)]
+    plant = Plant.zpk(zeros=[], poles=poles, gain=1)
+    unit = Scaled.of(*plant.exact, plant.sensor, 1.0)
+    first = FixedResponse.of(unit, unit.first_bits()).sampled((0, 1)).forms()
+    assert first.missing_bits() == 0
+    got = sample(plant, 1.0)
+    with mp.workdps(1500):
+        at = [mpf(0), *map(mpf, poles)]
+        shares = [1 / mp.fprod(p - q for q in at if q != p) for p in at]
+        y = [sum(c * mp.exp(p * j) for c, p in zip(shares, at, strict=True)) for j in range(16)]
+        den = [mpf(1)]
+        for p in poles:
+            den = [a - mp.exp(p) * b for a, b in zip([*den, 0], [0, *den], strict=True)]
+        pulses = [b - a for a, b in zip([mpf(0), *y], y, strict=False)]
+        num = [sum(den[i] * pulses[j - i] for i in range(j + 1)) for j in range(16)]
+    assert got.den == pytest.approx([float(c) for c in den], rel=1e-15)
+    assert got.num == pytest.approx([float(c) for c in num[1:]], rel=1e-15)
+
+
+def test_only_what_grows_asks_for_more_bits_to_begin_with():
+    unit = Scaled.of(*Plant.zpk(zeros=[], poles=[-1000, -3], gain=1).exact, 1.0, 1.0)
+    assert unit._grown(unit.halvings()) == 0
+    swings = Scaled.of(*Plant(num=[1], den=[1, -2e-3, 1000.0]).exact, 1.0, 1.0)
+    assert swings._grown(swings.halvings()) == 0  # by e^0.001, which is no bit
+    grows = Scaled.of(*Plant.zpk(zeros=[], poles=[100, -1], gain=1).exact, 1.0, 1.0)
+    # 144.3 bits: (2 + 2)(144 + 5 2) + 2 144, and 10 for each halving
+    assert grows._grown(9) == 4 * 154 + 2 * 144 + 90
 
 
 def test_a_product_and_its_error():

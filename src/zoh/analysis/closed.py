@@ -20,6 +20,7 @@ from zoh.analysis.motion import Motion, Stretch
 from zoh.analysis.realised import Chain
 from zoh.errors import SpecError
 from zoh.lti import digits
+from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.systems import Plant, Sampled
 from zoh.sampling.between import Held, Series
 from zoh.sampling.hold import MAX_DELAY, whole_samples
@@ -171,8 +172,7 @@ def followable(plant: Plant, dt: float, compute_delay: float, more: int = 0) -> 
 
     Raises SpecError for more samples than a loop may wait.
     """
-    if not isinstance(plant, Plant):
-        raise SpecError("plant", "must be a zoh.Plant", plant, "give num and den, or a formula")
+    check_plant(plant)
     delay = checks.not_negative("compute_delay", compute_delay, "give seconds, 0 or more")
     m, lead = whole_samples(plant.dead_time, delay, dt)
     if m + more > MAX_DELAY:
@@ -183,6 +183,19 @@ def followable(plant: Plant, dt: float, compute_delay: float, more: int = 0) -> 
             "sample more slowly",
         )
     return m + more, lead
+
+
+def check_plant(plant: object) -> None:
+    """Raise SpecError for what has no response in time, a table of frequencies included."""
+    if isinstance(plant, FrequencyResponse):
+        raise SpecError(
+            "plant",
+            "must be a zoh.Plant, for a table has no response in time",
+            plant,
+            "a table has margins, peaks and bandwidth: zoh.margins; fit a plant to it for the rest",
+        )
+    if not isinstance(plant, Plant):
+        raise SpecError("plant", "must be a zoh.Plant", plant, "give num and den, or a formula")
 
 
 def autonomous(system: Sampled) -> Motion:

@@ -9,17 +9,18 @@ from dataclasses import replace
 import numpy as np
 
 from zoh.analysis.loop import Array
-from zoh.analysis.motion import BAND, NEAR, Indices, Motion, Track
+from zoh.analysis.motion import NEAR, Indices, Motion, Track
 
 _LOOKED = 40  # the first crests, and the highest, that are looked at among many
 _AS_DEAR = 1000  # samples that cost as much to look at as one row does to fill
 _ROUNDING = 1e-13  # of the largest: a crest that stands out by less does not
 
 
-def wanted(k: Indices, seen: Array, final: float) -> list[int]:
+def wanted(k: Indices, seen: Array, final: float, band: float) -> list[int]:
     """Return the rows before which samples were left out that a metric may need.
 
     seen  output and effort at the samples k, shape (2, K)
+    band  where the output is last further than this from ``final`` is looked for
     """
     if k[-1] - k[0] < len(k):
         return []
@@ -34,7 +35,7 @@ def wanted(k: Indices, seen: Array, final: float) -> list[int]:
             marks |= _crests(k, a, begin, max(top, late_top))
         if late_bottom - near < bottom:
             marks |= _crests(k, -a, begin, -min(bottom, late_bottom))
-    y, size, band = seen[0], abs(final), BAND * abs(final)
+    y, size = seen[0], abs(final)
     if (ends[0][0] if final >= 0 else -ends[1][0]) < 0.9 * size:
         up = y if final >= 0 else -y
         marks.update(int((up >= level * size).argmax()) for level in (0.1, 0.9))

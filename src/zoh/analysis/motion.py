@@ -134,9 +134,9 @@ class Motion:
                 return self._followed(final)
         except FloatingPointError:
             raise SpecError(
-                "controller",
+                "system" if self.effort is None else "controller",
                 "must have a response that can be followed in 64-bit floats",
-                f"{self.own} states of the loop that swing each other up",
+                f"{self.own} states that swing each other up",
                 "use fewer sections, or spread them wider",
             ) from None
 

@@ -13,7 +13,7 @@ from math import inf, sqrt
 import numpy as np
 
 from zoh.analysis import queue
-from zoh.analysis.closed import Excitation, closed_loop
+from zoh.analysis.closed import Excitation, check_plant, closed_loop
 from zoh.analysis.curves import Trace, trace_of
 from zoh.analysis.loop import Array, Loop
 from zoh.analysis.motion import BAND, Motion
@@ -53,7 +53,8 @@ def response(
 ) -> Response:
     """Return the figures of a stable loop excited ``by`` a step, impulse, ramp or disturbance.
 
-    Raises SpecError for an unstable loop or an unknown excitation.
+    Raises SpecError for an unstable loop, an unknown excitation and a table, which has no response
+    in time.
 
     >>> plant = Plant(num=[1], den=[1, 1])
     >>> d = response(plant, Sampled(num=[4.0], den=[1.0], dt=0.1), by="disturbance")
@@ -71,14 +72,18 @@ def response(
     if by == "ramp":
         motion = _error(motion)
     limit = effort_at_rest if abs(effort_at_rest) < inf else None
-    track = queue.track(motion, (final, limit)) if motion.wait else motion.track(final)
-    wave = Waveform.of(motion, track, final)
+    ripples = limit is None  # for ever between the samples: followed until it is the same in each
+    goal = 0.0 if ripples else final
+    track = queue.track(motion, (final, limit)) if motion.wait else motion.track(goal)
+    wave = Waveform.of(motion, track, final, inf)
     t, peak = max(wave.highest_between(1.0), wave.highest_between(-1.0), key=_second)
-    settled = wave.settles_between(final, BAND * max(peak, abs(final)))
+    reached = peak > abs(final) * (1 + _NOTHING) and not (ripples and t >= wave.k[-1] * motion.dt)
+    band = BAND * max(peak, abs(final))  # of the true peak, which had to be found first
+    settled = wave.closer(final, band).settles_between(final, band)
     return Response(
         excitation=by,
         peak=max(peak, abs(final)),
-        peak_time=t if peak > abs(final) * (1 + _NOTHING) else None,
+        peak_time=t if reached else None,
         final_value=final,
         settling_time=settled if track.rests else None,
         peak_effort=inf if limit is None else max(abs(limit), float(np.abs(wave.u).max())),
@@ -162,6 +167,7 @@ def _error(motion: Motion) -> Motion:
 
 
 def _check_stable(plant: Plant, controller: Sampled, compute_delay: float) -> None:
+    check_plant(plant)
     if not isinstance(controller, Sampled):
         raise SpecError("controller", "must be a zoh.Sampled", controller, "give num, den and dt")
     loop = Loop.of(controller, sample(plant, controller.dt, compute_delay))

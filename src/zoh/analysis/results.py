@@ -100,8 +100,8 @@ class StepInfo:
     undershoot_pct      % of the final value on the other side of the start
     rise_time           s, from first reaching 10 % to first reaching 90 % of the final value
     settling_time       s, after which the response stays within 2 % of the final value
-    peak, peak_time     the furthest it goes in the direction of its final value (in size, where
-                        that is 0), and when in s
+    peak, peak_time     how far it goes in the direction of its final value (in either, where that
+                        is 0), a size of 0 or more, and when in s
     final_value         what it settles to
     steady_state_error  reference minus final value
     horizon             s, to which it was followed: until its slowest mode has fallen to 1e-8,

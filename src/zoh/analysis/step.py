@@ -6,6 +6,7 @@ instant, a peak the true extreme.
 """
 
 from dataclasses import dataclass
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,9 @@ from zoh.analysis.motion import BAND, Motion, Track
 from zoh.analysis.results import StepInfo
 from zoh.analysis.stability import hurwitz_floats
 from zoh.analysis.waveform import Waveform
+from zoh.errors import SpecError
 from zoh.lti import poly
+from zoh.lti.poly import Poly
 from zoh.lti.systems import Plant, Sampled
 
 RISE = (0.1, 0.9)
@@ -28,7 +31,8 @@ def step_info(system: Plant | Sampled) -> StepInfo:
     """Return the metrics of the step response of ``system``, a closed loop; reference step 1.
 
     A Sampled is known at its samples; a Plant at all times. Of an unstable one nothing exists
-    but ``stable``, which is False. Raises SpecError for what is no system.
+    but ``stable``, which is False. Raises SpecError for what is no system, and for one whose poles
+    or gains 64-bit floats do not hold.
 
     >>> info = step_info(Sampled(num=[0.5], den=[1, -0.5], dt=1.0))  # 1 - 0.5^k
     >>> info.rise_time, info.settling_time, info.overshoot_pct
@@ -42,12 +46,27 @@ def step_info(system: Plant | Sampled) -> StepInfo:
     final = loop.num[-1] / loop.den[-1]
     if isinstance(system, Sampled):
         motion, late = autonomous(system), system.delay * system.dt
-    else:
-        rates = np.abs(poly.roots(loop.den))
-        motion = continuous(system, 1.0 / float(rates.max()) if rates.size else 1.0)
-        late = system.dead_time
-    seen = _Seen.of(motion, motion.track(final), final, 1.0, late)
-    return seen.at_samples() if isinstance(system, Sampled) else seen.between()
+        return _Seen.of(motion, motion.track(final), final, 1.0, late).at_samples()
+    try:
+        with np.errstate(over="raise", invalid="raise"):
+            motion = continuous(system, _interval(loop.den))
+            return _Seen.of(motion, motion.track(final), final, 1.0, system.dead_time).between()
+    except (ArithmeticError, np.linalg.LinAlgError):
+        raise SpecError(
+            "system",
+            "must have rates and gains that 64-bit floats can hold",
+            str(system),
+            "count time or the output in another unit",
+        ) from None
+
+
+def _interval(den: Poly) -> float:
+    """Return the time constant in s of the fastest pole; raise OverflowError if it is no float."""
+    rates = np.abs(poly.roots(den))
+    fastest = float(rates.max()) if rates.size else 1.0
+    if not 0 < 1 / fastest < inf:
+        raise OverflowError
+    return 1 / fastest
 
 
 def closed_loop_step(
@@ -111,7 +130,7 @@ class _Seen:
     def of(
         cls, motion: Motion, track: Track, final: float, reference: float, late: float = 0.0
     ) -> "_Seen":
-        wave = Waveform.of(motion, track, final)
+        wave = Waveform.of(motion, track, final, BAND * abs(final))
         return cls(
             wave=wave, final=final, reference=reference, late=late,
             horizon=track.horizon * motion.dt + late, rests=track.rests,

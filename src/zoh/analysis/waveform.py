@@ -24,15 +24,14 @@ _CELLS = 4_000_000  # numbers bounded at once
 class Waveform:
     """y along a motion, and the effort u with it.
 
-    k, states  the samples at which the state is known, shape (K,), and it, shape (N, K)
-    y, u       the output and the effort there, shape (K,)
-    low, high  bounds of the output over the sample interval that begins there, shape (K,)
+    track        the K samples at which the state is known
+    y, u         the output and the effort there, shape (K,)
+    low, high    bounds of the output over the sample interval that begins there, shape (K,)
     top, bottom  the rows where y is largest and least
     """
 
     motion: Motion
-    k: Indices
-    states: Array
+    track: Track
     y: Array
     u: Array
     low: Array
@@ -41,20 +40,46 @@ class Waveform:
     bottom: int
 
     @classmethod
-    def of(cls, motion: Motion, track: Track, final: float) -> "Waveform":
-        """Return the output along a track, filled in where its metrics need it."""
+    def of(cls, motion: Motion, track: Track, final: float, band: float) -> "Waveform":
+        """Return the output along a track, filled in where its metrics need it.
+
+        Those are the extremes, the rise to ``final`` and the last entry into ``band`` around it.
+        """
         effort = np.zeros_like(motion.output) if motion.effort is None else motion.effort
         both = np.array([motion.output, effort])
         seen = both.dot(track.states)
-        while rows := wanted(track.k, seen, final):
+        while rows := wanted(track.k, seen, final, band):
             track = filled(motion, track, rows)
             seen = both.dot(track.states)
         y, u = seen
         low, high = bounds(motion, track.states)
         return cls(
-            motion=motion, k=track.k, states=track.states, y=y, u=u, low=low, high=high,
+            motion=motion, track=track, y=y, u=u, low=low, high=high,
             top=int(y.argmax()), bottom=int(y.argmin()),
         )  # fmt: skip
+
+    def closer(self, final: float, band: float) -> "Waveform":
+        """Return the same, filled in where the output is last outside ``band`` around ``final``.
+
+        Between the samples it may be outside for longer than at them.
+        """
+        wave = self
+        if wanted(self.k, np.array([self.y, self.u]), final, band):
+            wave = Waveform.of(self.motion, self.track, final, band)
+        while (left := wave._last_outside(final, band)) and wave._leaves_out(left[0]):
+            track = filled(wave.motion, wave.track, [left[0]])
+            wave = Waveform.of(wave.motion, track, final, band)
+        return wave
+
+    @property
+    def k(self) -> Indices:
+        """Return the samples at which the state is known, shape (K,)."""
+        return self.track.k
+
+    @property
+    def states(self) -> Array:
+        """Return the state there, shape (N, K)."""
+        return self.track.states
 
     def highest(self, sign: float) -> tuple[float, float]:
         """Return (time in s, sign * y) where that is largest at the samples."""
@@ -107,15 +132,24 @@ class Waveform:
 
     def settles_between(self, final: float, band: float) -> float | None:
         """Return the instant in s from which on |y - final| <= band; None if not by the horizon."""
+        last = self._last_outside(final, band)
+        if last is None:
+            return 0.0
+        return last[1] if last[0] + 1 < len(self.k) else None
+
+    def _last_outside(self, final: float, band: float) -> tuple[int, float] | None:
+        """Return (row, instant in s) where |y - final| > band for the last time, None if never."""
         outside = ((self.high > final + band) | (self.low < final - band)).nonzero()[0]
         for i in outside[::-1].tolist():
             for begin, span, piece in reversed(self._pieces(i, 1.0)):
                 left = _last_outside(piece, final, band)
                 if left is not None:
-                    if left == 1.0 and i + 1 == len(self.k):
-                        return None
-                    return (float(self.k[i]) + begin + span * left) * self.motion.dt
-        return 0.0
+                    return i, (float(self.k[i]) + begin + span * left) * self.motion.dt
+        return None
+
+    def _leaves_out(self, i: int) -> bool:
+        """Return whether samples are left out after row i."""
+        return bool(i + 1 < len(self.k) and self.k[i + 1] - self.k[i] > 1)
 
     def _bound(self, sign: float) -> Array:
         """Return the upper bound of sign * y from each sample to the next."""

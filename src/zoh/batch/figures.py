@@ -34,7 +34,7 @@ FIGURES: tuple[Figure, ...] = (
     Figure(name="overshoot_pct", unit="%", long_name="overshoot at the samples", better=-1),
     Figure(name="rise_time", unit="s", long_name="rise time, 10 to 90 %", better=-1),
     Figure(name="settling_time", unit="s", long_name="settling time, 2 %", better=-1),
-    Figure(name="peak", unit="reference", long_name="peak at the samples"),
+    Figure(name="peak", unit="reference", long_name="size of the peak at the samples"),
     Figure(name="peak_time", unit="s", long_name="time of the peak at the samples"),
     Figure(name="steady_state_error", unit="reference", long_name="error at rest"),
     Figure(name="peak_effort", unit="input", long_name="largest |u| of the step", better=-1),

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from itertools import chain
-from math import factorial, log10
+from math import factorial, isinf, log10
 
 import numpy as np
 import numpy.typing as npt
@@ -169,12 +169,12 @@ def _array(rows: list[list[float]]) -> Array:
 
 
 def _scaled(plant: Plant, dt: float) -> tuple[tuple[float, ...], tuple[float, ...], float]:
-    """Return (low, c, d) in units of dt; exactly, where anything is subtracted."""
-    if len(plant.num) == len(plant.den):
-        low, c, d = _exactly(plant, dt)
-        return tuple(map(float, low)), tuple(map(float, c)), float(d)
+    """Return (low, c, d) in units of dt; exactly, where floats subtract or outgrow their range."""
     lead, n, power = plant.den[0], len(plant.den) - 1, 1.0
     gain, shorter = plant.sensor / lead, len(plant.den) - len(plant.num)
+    if not shorter or isinf(gain):
+        low, c, d = _exactly(plant, dt)
+        return tuple(map(float, low)), tuple(map(float, c)), float(d)
     monic, top = [], []
     for i in range(1, n + 1):
         power *= dt

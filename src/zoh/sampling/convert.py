@@ -14,6 +14,7 @@ from zoh.errors import SpecError
 from zoh.lti.systems import Plant, Sampled, sample_time
 from zoh.sampling import differences
 from zoh.sampling.hold import sample, whole_samples
+from zoh.sampling.rounding import with_a_gain
 
 METHODS: Mapping[str, str] = {
     "zoh": "exact at the samples for an input held between them",
@@ -48,7 +49,8 @@ def discretise(system: Plant, dt: float, method: str, prewarp: float | None = No
     the others. A fraction of dt in foh makes the order one higher. Coefficients are right to
     their last digit in z and in w, at every dt.
     Raises SpecError for an unknown method, for numbers out of range and for what a method
-    cannot do: feedthrough in impulse, a pole that a difference rule sends to infinity.
+    cannot do: feedthrough in impulse, a pole that a difference rule sends to infinity, a dt at
+    which no float is small enough for the numerator.
 
     >>> lag = Plant(num=[1], den=[1, 1])
     >>> discretise(lag, 1.0, "backward")  # z/(2 z - 1)
@@ -97,7 +99,7 @@ def _forward(dt: float, method: str, prewarp: float | None) -> Callable[[Plant],
     if prewarp is not None or method == "prewarp":
         _check_prewarp(dt, method, prewarp)
     a = _stretch(dt, prewarp)
-    return lambda plant: _sampled(plant, dt, method, a)
+    return lambda plant: with_a_gain(_sampled(plant, dt, method, a))
 
 
 def _sampled(plant: Plant, dt: float, method: str, a: Decimal) -> Sampled:

@@ -28,20 +28,19 @@ Table = tuple[tuple[int, ...], ...]
 def from_power_sums(sums: Sequence[int], error: int, bits: int) -> tuple[list[int], int]:
     """Return the monic polynomial whose roots have these sums of powers 1 ... n, and its error.
 
-    The error is a bound for each coefficient; all is in units of 2^-bits.
+    The error is a bound for each coefficient; all is in units of 2^-bits. A rounding of the k-th
+    coefficient is one of k units in the k-th sum, and the polynomial is exp(-sum p_k t^k/k): sums
+    off by d at most make it times exp(sum d t^k/k), whose coefficients are d, or d^n, at most.
 
     >>> from_power_sums([3 << 9, 5 << 9], 0, 9)
-    ([512, -1536, 1024], 12)
+    ([512, -1536, 1024], 10)
     """
-    values, error_here = [1 << bits], 0
-    size, size_sums = 1, 0
-    for k, last in enumerate(sums, 1):
-        size_sums += (abs(last) >> bits) + 1
-        both = size * error + size_sums * error_here + (k * error * error_here >> bits)
-        error_here = both // k + 2  # no less than before, for size_sums is k or more
+    values, size = [1 << bits], 0
+    for k in range(1, len(sums) + 1):
+        size += (abs(values[-1]) >> bits) + (k > 1)
         values.append(-sum(map(mul, values, sums[k - 1 :: -1])) // (k << bits))
-        size += (abs(values[-1]) >> bits) + 1
-    return values, error_here
+    off = error + len(sums)
+    return values, off * ((off >> bits) + 1) ** (len(sums) - 1) * size if sums else 0
 
 
 def product(

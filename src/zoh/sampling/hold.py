@@ -34,6 +34,7 @@ from zoh.lti.systems import Plant, Sampled, sample_time
 from zoh.sampling.fixed import Ratio
 from zoh.sampling.images import sampled_table
 from zoh.sampling.response import FixedResponse, Scaled
+from zoh.sampling.rounding import with_a_gain
 
 MAX_DELAY = 10_000  # samples; a loop that waits longer is not a feedback loop
 _NOTHING = 256  # bits beyond all that was lost: no true coefficient is anywhere near as small
@@ -71,15 +72,7 @@ def sample(
     if isinstance(plant, FrequencyResponse):
         _samples(0.0, compute_delay, dt)  # refuses a delay beyond those of loops
         return sampled_table(plant, dt, compute_delay)
-    held = _held(plant.exact, plant.sensor, dt, plant.dead_time, compute_delay)
-    if not any(held.num):
-        raise SpecError(
-            "dt",
-            "must leave the sampled plant a gain that a float can hold",
-            dt,
-            "sample more slowly, or count the output in a smaller unit",
-        )
-    return held
+    return with_a_gain(_held(plant.exact, plant.sensor, dt, plant.dead_time, compute_delay))
 
 
 @lru_cache(maxsize=256)

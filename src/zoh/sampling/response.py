@@ -2,16 +2,19 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import factorial, frexp
+from math import factorial, frexp, ldexp, log
 from operator import mul
 
 from zoh.errors import SpecError
+from zoh.lti import poly
 from zoh.lti.digits import Exact
 from zoh.sampling import delta
 from zoh.sampling.delta import InDelta
 from zoh.sampling.fixed import FixedRing, Ratio, fixed, log2_above
 
 _MOST_HALVINGS = 60  # of the exponential's argument: a mode 1e17 times faster than dt
+_LONG = 6  # halvings: a dt of more than 32 of the fastest mode's time constants
+_FLOAT = 1000  # bits behind the point of what becomes a float
 _FAST = 1200  # bits; what is smaller than 2^-1076 is 0 in a float
 
 
@@ -95,7 +98,23 @@ class Scaled:
         else:  # the size of exp(sigma dt) to the n-th; the product of the poles, exp(-den_1 dt)
             size = [k * (halvings - 1) - factorial(k).bit_length() for k in range(n)]
             fast = 3 * halvings + n * max(size) + max(3 * fixed(self.den[1], exponent - 1), 0)
-        return 74 + 7 * n + max(slow, 0) + max(weak + self.gain, 0) + min(fast, _FAST)
+        grown = self._grown(halvings) if halvings > _LONG else 0
+        return 74 + 7 * n + max(slow, 0) + max(weak + self.gain, 0) + min(fast, _FAST) + grown
+
+    def _grown(self, halvings: int) -> int:
+        """Return about how many bits are lost where a mode grows by far within one dt.
+
+        An element's size is what the mode grows by, and more the closer the poles are; each of
+        the n powers adds one to the size and one to the bits that its error takes up. A guess
+        to begin with: what is given out is proved.
+        """
+        if all(a >= 0 for a, _ in self.den):
+            return 0
+        n = len(self.den) - 1
+        inside = [fixed(c, _FLOAT - self.rate * i) / 2.0**_FLOAT for i, c in enumerate(self.den)]
+        grows = max(0.0, float(poly.roots(inside).real.max()))
+        by = int(ldexp(grows * self.dt, self.rate) / log(2.0))
+        return (n + 2) * (by + 5 * n) + n * by + 10 * halvings if by else 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -78,6 +78,18 @@ def out_of_range(dt: float) -> SpecError:
     )
 
 
+def with_a_gain(system: Sampled) -> Sampled:
+    """Return the system, or raise SpecError where no float is small enough for its numerator."""
+    if any(system.num):
+        return system
+    raise SpecError(
+        "dt",
+        "must leave the sampled plant a gain that a float can hold",
+        system.dt,
+        "sample more slowly, or count the output in a smaller unit",
+    )
+
+
 def _floats(values: Sequence[Decimal]) -> tuple[float, ...]:
     """Return the nearest floats, or raise OverflowError."""
     result = digits.rounded(values)

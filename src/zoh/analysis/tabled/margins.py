@@ -15,7 +15,7 @@ from zoh.analysis.margin_crossings import margin_deg
 from zoh.analysis.squares import DROP
 from zoh.analysis.tabled.beyond import beyond
 from zoh.analysis.tabled.count import agreed
-from zoh.analysis.tabled.path import Path
+from zoh.analysis.tabled.path import Path, boundary_poles
 from zoh.analysis.tabled.results import Spread, TableMargins
 from zoh.analysis.tabled.spread import spread
 from zoh.analysis.tabled.words import warnings
@@ -141,8 +141,14 @@ def _phase_crossings(path: Path) -> tuple[tuple[float, float], ...]:
 
 
 def _bandwidth(path: Path) -> float | None:
-    """Return where |T| is first 3 dB below what it is at the table's first point."""
-    level = DROP**0.5 * abs(path.gain[0] / (1 + path.gain[0]))
+    """Return where |T| is first 3 dB below what it is at w = 0.
+
+    That is 1 where the loop integrates, by the table's low end or its controller; elsewhere what
+    |T| is at the table's first point stands for it.
+    """
+    level = DROP**0.5
+    if not _integrates(path):
+        level *= abs(path.gain[0] / (1 + path.gain[0]))
 
     def above(w: float) -> float:
         gain = path.at(w)
@@ -150,6 +156,11 @@ def _bandwidth(path: Path) -> float | None:
 
     signs = np.sign(np.abs(path.gain) - level * np.abs(1 + path.gain))
     return next(iter(sign_changes(above, path.w, signs)), None)
+
+
+def _integrates(path: Path) -> bool:
+    """Return whether |L| is known to grow without end below the table."""
+    return path.low is not None and path.low.integrators + boundary_poles(path.controller)[0] > 0
 
 
 def _least(value: Callable[[complex], float], path: Path) -> tuple[float, float]:

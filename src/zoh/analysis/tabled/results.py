@@ -49,7 +49,8 @@ class TableMargins(Margins):
     gain_margin      of the phase crossings in the table; where there is none, the bound that
                      ``beyond`` gives, with phase_crossover None
     modulus_margin, mt, disk_margin   in the band
-    bandwidth        where |T| is 3 dB below its value at the table's first point
+    bandwidth        where |T| is 3 dB below 1, which it is at w = 0, if the loop integrates by
+                     the table's low end; if not, 3 dB below its value at the first point
     certificate      None: a table proves nothing between its points
     band             rad/s, the table's first and last point
     beyond           bounds outside the band

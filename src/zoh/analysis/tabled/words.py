@@ -37,6 +37,11 @@ def warnings(
     if spreads["interpolation"] is None:
         said.append("the table is too short to tell what lies between its points")
     said += _turns(path)
+    if path.low is None:
+        first = f"{path.table.band[0]:.6g} rad/s"
+        said.append(
+            f"the low end does not say |T| at 0: the bandwidth is counted from it at {first}"
+        )
     return tuple(said)
 
 
