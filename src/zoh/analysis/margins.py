@@ -20,6 +20,7 @@ from zoh.analysis.certificates import Proof
 from zoh.analysis.close import Close
 from zoh.analysis.loop import Loop, out_of_range
 from zoh.analysis.margin_crossings import Crossings, gain_crossings, phase_crossings
+from zoh.analysis.needles import deepest, ratio_at_end
 from zoh.analysis.proof import Found, Look, Peak, proved
 from zoh.analysis.results import Margins
 from zoh.analysis.rounding import doubts
@@ -31,6 +32,7 @@ from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
 from zoh.lti.systems import Plant, Sampled
 
 _ON_IT_DEG = 1e-12  # a margin this small is 0: a few roundings of the angle
+_NEEDLE = 1e-4  # |1 + L| below which its least value needs more digits than floats have
 _CHEAP = 2.5  # samples of delay up to which a proof costs less than a look from close by
 
 
@@ -173,11 +175,18 @@ def peak(loop: Loop, squares: Squares, look: Look, below: Below) -> Peak:
     """Return where |den + num|/|below| is least, both ends included."""
     place = look.lowest(below)
     value = squares.ratio(place, below) if squares.whole else loop.ratio(place, below)
+    if value < _NEEDLE and squares.whole:
+        place, value = deepest(squares, place, below)
     for v, top, bottom in loop.ends():
         under = abs(below[0] * bottom + below[1] * top)
+        if not under:
+            continue
+        at_end = abs(bottom + top) / under
+        if at_end < _NEEDLE:  # a difference
+            at_end = ratio_at_end(loop, v, below)
         # where the least is at an end, the grid's outermost point says the same but for rounding
-        if under and abs(bottom + top) / under <= value * (1 + 1e-14):
-            place, value = v, abs(bottom + top) / under
+        if at_end <= value * (1 + 1e-14):
+            place, value = v, at_end
     return Peak(v=place, least=value, below=below)
 
 

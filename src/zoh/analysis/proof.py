@@ -15,6 +15,7 @@ from zoh.analysis import discs
 from zoh.analysis.certificates import Certificate, Proof
 from zoh.analysis.close import Close
 from zoh.analysis.loop import Array, Loop
+from zoh.analysis.sharp import apart
 from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import Below, Squares
 from zoh.lti import signs
@@ -48,11 +49,11 @@ class Found(NamedTuple):
 
 def proved(loop: Loop, squares: Squares, look: Look, found: Found, *, stable: Proof) -> Certificate:
     """Return the proofs for what was found in a look."""
-    gain = counted(squares.gain, len(found.unities))
+    gain = counted(squares.gain, found.unities)
     if isinstance(look, Sparse) or squares.whole:
         modulus, complementary, disk = (_least(squares, peak) for peak in found.peaks)
-        phases = counted(squares.turn, len(found.turns))
-        passages = counted(squares.drop, len(found.drops))
+        phases = counted(squares.turn, found.turns)
+        passages = counted(squares.drop, found.drops)
     else:
         v, level = look.v, squares.level
         modulus, complementary, disk = (_between(loop, v, peak) for peak in found.peaks)
@@ -64,21 +65,28 @@ def proved(loop: Loop, squares: Squares, look: Look, found: Found, *, stable: Pr
     )  # fmt: skip
 
 
-def counted(a: Whole, found: int) -> Proof:
-    """Return whether a has as many positive roots of odd multiplicity as were found.
+def counted(a: Whole, found: Sequence[float]) -> Proof:
+    """Return whether the positive roots of a of odd multiplicity are those found, v = sqrt(q).
 
-    One sign change of the coefficients is one root and none is none; of more of them, the roots
-    are fewer by an even number, and are counted.
+    One sign change of the coefficients is one root and none is none; a root like that is found in
+    floats, where terms of one sign cancel those of the other there alone. Of more of them each
+    must lie in an interval of its own at whose ends a has different signs; no more roots than sign
+    changes there are, and those that are fewer are counted.
 
-    >>> counted((1, -1, -2), 1).method, counted((1, -3, 2), 2).method, counted((1, -3, 2), 1).holds
-    ('Descartes', 'Sturm', False)
+    >>> counted((1, -1, -2), [2**0.5]).method, counted((1, -5, 4), [1.0, 2.0]).method
+    ('Descartes', 'Descartes')
+    >>> counted((1, -5, 4), [1.0]).holds, counted((1, -5, 4), [1.0, 1.0]).holds
+    (False, False)
     """
     most = signs.variations(a)
-    if most == found <= 1:
-        return Proof(holds=True, method="Descartes", detail=f"{most} sign changes, {found} found")
-    number = signs.crossings(a)
-    detail = f"{number} sign changes on the axis, {found} found"
-    return Proof(holds=number == found, method="Sturm", detail=detail)
+    if most == len(found) <= 1 or (most == len(found) and apart(a, found)):
+        detail = f"{most} sign changes, {len(found)} found"
+        return Proof(holds=True, method="Descartes", detail=detail)
+    number, alone = signs.crossings(a), apart(a, found)
+    detail = f"{number} sign changes on the axis, {len(found)} found"
+    if not alone:
+        detail += ", not each by a sign change of its own"
+    return Proof(holds=alone and number == len(found), method="Sturm", detail=detail)
 
 
 def _least(squares: Squares, peak: Peak) -> Proof:

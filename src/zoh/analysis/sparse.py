@@ -9,19 +9,23 @@ can miss something: whether it has, ``proof`` says.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
+from itertools import pairwise
 from math import ceil, floor, inf, isfinite, sqrt
 
 import numpy as np
 
 from zoh.analysis.loop import Array, Loop
+from zoh.analysis.sharp import sharpened
 from zoh.analysis.squares import ON_DEN, ON_NUM, Below, Squares, corners
-from zoh.lti import whole
+from zoh.lti import poly, whole
 from zoh.lti.whole import Whole
 
 _BEYOND = 7  # octaves in q that are looked at beyond the first and the last corner
 _PER_OCTAVE = 2
 _NEAR = 1e-7  # relative distance of the two points of a last secant: half a float's digits
 _AGREE = 1e-11  # relative; the loop and its polynomial tell of one root to a float's digits
+_LOST = 1e-9  # of the values beside it: one so small has no sign in floats, a root is there
+_NEAREST = 30  # octaves; roots nearer to each other than that are left to a look from close by
 _STEPS = 3  # of the secant, each with 7 digits more
 _LAST_STEP = 1e-10  # relative; Newton's next step would be its square, below a float's digits
 _LAST_FLAT_STEP = 1e-6  # the same for a least value, which is flat and needs half the digits
@@ -91,7 +95,9 @@ class Sparse:
 
     def turns(self) -> list[float]:
         """Return every v seen at which L is real, ascending."""
-        return self._roots(_TURN)
+        found, turn = self._roots(_TURN), self.squares.turn
+        # a root alone is where terms of one sign cancel those of the other: that has its digits
+        return found if len(found) < 2 else [sharpened(turn, v) for v in found]
 
     def drops(self) -> list[float]:
         """Return every v seen at which |T| passes ``level``, ascending."""
@@ -113,12 +119,15 @@ class Sparse:
         return sqrt(q) * sqrt(self.unit)
 
     def _roots(self, row: int) -> list[float]:
-        polynomial, found = self.polynomials[row], []
+        polynomial, brackets = self.polynomials[row], []
         for i in [place for kind, place in self.flips if kind == row - _GAIN]:
             low, high = self.octaves[i : i + 2].tolist()
-            q = _root(polynomial, 2.0**low, 2.0**high, *self.values[row, i : i + 2].tolist())
-            found.append(sqrt(q) * sqrt(self.unit))
-        return found
+            at_low, at_high = self.values[row, i : i + 2].tolist()
+            brackets.append([2.0**low, 2.0**high, at_low, at_high])
+        for left, right in pairwise(brackets):
+            if left[1] == right[0] and abs(left[3]) < _LOST * max(abs(left[2]), abs(right[3])):
+                _part(polynomial, left, right)
+        return [sqrt(_root(polynomial, *ends)) * sqrt(self.unit) for ends in brackets]
 
 
 @lru_cache(maxsize=256)
@@ -136,6 +145,25 @@ def _grid(wide: int, length: int) -> tuple[Array, Array]:
     powers = np.exp2(np.arange(length - 1, -1, -1)[:, None] * octaves)
     octaves.flags.writeable = powers.flags.writeable = False
     return octaves, powers
+
+
+def _part(a: Sequence[float], left: list[float], right: list[float]) -> None:
+    """Move the point that two brackets (low, high, a there) share from the root it is on.
+
+    The other root is on one side of it, and between the two a has the sign it seemed to have.
+
+    >>> left, right = [0.5, 1.0, 0.55, -1e-17], [1.0, 2.0, -1e-17, 0.4]
+    >>> _part([1.0, -2.6, 1.6], left, right)
+    >>> left[1] == right[0] == 1.125
+    True
+    """
+    for octave in range(3, _NEAREST, 2):
+        for x in (left[1] * (1 - 2.0**-octave), left[1] * (1 + 2.0**-octave)):
+            value = poly.at(a, x)
+            if value * left[2] < 0 and abs(value) > abs(left[3]):
+                left[1] = right[0] = x
+                left[3] = right[2] = value
+                return
 
 
 def _root(a: Sequence[float], low: float, high: float, at_low: float, at_high: float) -> float:

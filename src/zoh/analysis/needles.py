@@ -1,0 +1,38 @@
+"""The least value of |D + N| against |D|, |N| or |D - N| where it is all but 0, exact.
+
+A float of v near the lowest point is then not near enough, and a float of a sum of coefficients
+is a rounding of what they are.
+"""
+
+from zoh.analysis.loop import Loop
+from zoh.analysis.sharp import as_v, closed_in, derivative
+from zoh.analysis.squares import Below, Squares
+from zoh.lti import signs, whole
+
+
+def deepest(squares: Squares, v: float, below: Below) -> tuple[float, float]:
+    """Return (v, the ratio there) at the lowest point beside v; the ratio is 0 if any is.
+
+    |D + N|^2 is 0 where it has a root; one that it shares with |D|^2 is a mode that L hides.
+    """
+    above, under, bottom = squares.closed, squares.below(below), squares.bottom
+    if signs.positive_roots(whole.times(above, bottom)) > signs.positive_roots(bottom):
+        return as_v(closed_in(above, v)), 0.0
+    slope = whole.plus(
+        whole.times(derivative(above), under), whole.times(above, derivative(under)), -1
+    )
+    q = closed_in(slope, v)
+    return min((as_v(q), squares.ratio_at(q, below)), (v, squares.ratio(v, below)), key=_second)
+
+
+def ratio_at_end(loop: Loop, v: float, below: Below) -> float:
+    """Return the ratio at an end of the axis, v = 0 or infinity, one of ``Loop.ends``."""
+    top, bottom = next((t, b) for end, t, b in loop.ends() if end == v)
+    num, den = loop.exact if v else (a[::-1] for a in loop.exact)
+    n, d = next(pair for pair in zip(num, den, strict=True) if any(pair))
+    n, d = abs(n) * (1 if top > 0 else -1), abs(d) * (1 if bottom > 0 else -1)
+    return abs(d + n) / abs(round(below[0]) * d + round(below[1]) * n)
+
+
+def _second(pair: tuple[float, float]) -> float:
+    return pair[1]
