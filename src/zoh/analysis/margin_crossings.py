@@ -9,7 +9,7 @@ from math import degrees, frexp, inf
 
 from zoh.analysis.axis import terms
 from zoh.analysis.loop import Loop
-from zoh.analysis.sharp import as_v, closed_in, is_nothing
+from zoh.analysis.sharp import EXACT, ROUNDED, as_v, closed_in, is_nothing
 from zoh.analysis.squares import Squares
 from zoh.lti import poly
 
@@ -84,8 +84,9 @@ def _at_turn(loop: Loop, squares: Squares, v: float) -> tuple[float, float] | No
     bulk = _bulk(loop, v, of_top, of_bottom)
     if squares.whole and not abs(product) > _SHARP * bulk:
         q = closed_in(squares.turn, v)
-        if is_nothing(squares.cross, q):  # at a root of num or den, where L is 0 or infinite
-            return None
+        bits = EXACT if loop.given else ROUNDED
+        if is_nothing(squares.top, q, bits) or is_nothing(squares.bottom, q, bits):
+            return None  # L is 0 or infinite there
         return loop.frequency(as_v(q)), squares.factor(q)
     if not (product < 0 and product < -_AT_A_ROOT * bulk):
         return None

@@ -19,7 +19,9 @@ _MORE = 128  # bits of a root beyond those of the float it starts from
 _ALMOST = 70  # bits that are right: the next step of Newton's method makes them more than _MORE
 _STEPS = 12
 _AWAY = 10  # bits: a root that is not within a thousandth of where it was seen is another one
-_NOTHING = 120  # bits: a value this far below its own terms, at a root with more bits, is 0
+# bits that |num|^2 is below its own terms at a root of num: of coefficients that are meant to the
+# last bit, of such as are rounded
+EXACT, ROUNDED = 240, 93
 _A_ROUNDING = 4e-15  # relative; of a float that is a root but for the last steps to it
 _APART = 2.0**-40  # relative; a root is within this of where it was found
 
@@ -71,14 +73,14 @@ def sharpened(a: Whole, v: float) -> float:
     return better if abs(better - v) > _A_ROUNDING * v else v
 
 
-def is_nothing(a: Whole, at: Point) -> bool:
-    """Return whether a is 0 at a root of another polynomial, known as well as ``closed_in`` does.
+def is_nothing(a: Whole, at: Point, bits: int = EXACT) -> bool:
+    """Return whether a is so many bits below its own terms: 0, where the point has as many.
 
-    >>> is_nothing((1, 0, -2), closed_in((1, 0, -2), 1.1892)), is_nothing((1, -1), (3, 2))
+    >>> is_nothing((1, -4, 4), closed_in((1, -2), 1.4142)), is_nothing((1, -1), (3, 2))
     (True, False)
     """
     terms = whole.at_fraction([abs(c) for c in a], *at)
-    return abs(whole.at_fraction(a, *at)) <= terms >> _NOTHING
+    return abs(whole.at_fraction(a, *at)) <= terms >> bits
 
 
 def apart(a: Whole, found: Sequence[float]) -> bool:
