@@ -7,7 +7,7 @@ a modulus margin just below m. All of it in whole numbers. Where a delay leaves 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import frexp, inf, ldexp
 from typing import NamedTuple
 
@@ -17,12 +17,14 @@ from zoh.analysis.close import Close
 from zoh.analysis.loop import Array, Loop
 from zoh.analysis.sharp import apart
 from zoh.analysis.sparse import Sparse
-from zoh.analysis.squares import Below, Squares
-from zoh.lti import signs
+from zoh.analysis.squares import Below, Squares, squared
+from zoh.lti import signs, whole
 from zoh.lti.whole import Whole
 
 _ROUNDING = 1e-13  # |D + N| of its terms where a loop runs through -1
 PEAK_TOL = 1e-9  # relative; what is proved of a peak is that no point is higher by more than this
+_BESIDE = 1e-7  # relative, of a crossing: there a float has the sign of Im L
+_NOT_APART = ", not each with a sign change of its own"
 _BITS = 41  # of the square of a peak: its last one is less than a thousandth of PEAK_TOL
 
 
@@ -58,6 +60,8 @@ def proved(loop: Loop, squares: Squares, look: Look, found: Found, *, stable: Pr
         v, level = look.v, squares.level
         modulus, complementary, disk = (_between(loop, v, peak) for peak in found.peaks)
         phases = discs.turns(loop, v[v <= look.reach], len(found.turns))
+        if not apart(loop.side, found.turns, _BESIDE):
+            phases = replace(phases, holds=False, detail=phases.detail + _NOT_APART)
         passages = discs.passages(loop, v, level, found.drops)
     return Certificate(
         stable=stable, gain_crossings=gain, phase_crossings=phases,
@@ -79,14 +83,18 @@ def counted(a: Whole, found: Sequence[float]) -> Proof:
     (False, False)
     """
     most = signs.variations(a)
-    if most == len(found) <= 1 or (most == len(found) and apart(a, found)):
+    if most == len(found) <= 1 or (most == len(found) and _apart(a, found)):
         detail = f"{most} sign changes, {len(found)} found"
         return Proof(holds=True, method="Descartes", detail=detail)
-    number, alone = signs.crossings(a), apart(a, found)
+    number, alone = signs.crossings(a), _apart(a, found)
     detail = f"{number} sign changes on the axis, {len(found)} found"
     if not alone:
-        detail += ", not each by a sign change of its own"
+        detail += _NOT_APART
     return Proof(holds=alone and number == len(found), method="Sturm", detail=detail)
+
+
+def _apart(a: Whole, found: Sequence[float]) -> bool:
+    return apart(lambda v: whole.at_fraction(a, *squared(v)), found)
 
 
 def _least(squares: Squares, peak: Peak) -> Proof:

@@ -5,7 +5,7 @@ digit: no float is the crossing then. And a float cannot say whether a polynomia
 root's neighbour, or below.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from math import inf
 
@@ -23,7 +23,7 @@ _AWAY = 10  # bits: a root that is not within a thousandth of where it was seen 
 # last bit, of such as are rounded
 EXACT, ROUNDED = 240, 93
 _A_ROUNDING = 4e-15  # relative; of a float that is a root but for the last steps to it
-_APART = 2.0**-40  # relative; a root is within this of where it was found
+APART = 2.0**-40  # relative; a root is within this of where it was found
 
 
 def closed_in(a: Whole, v: float) -> Point:
@@ -66,8 +66,8 @@ def as_v(q: Point) -> float:
 def sharpened(a: Whole, v: float) -> float:
     """Return v closed in on a root of a, the same float where that is a rounding away.
 
-    >>> sharpened((1, 0, -2), 1.18920711) ** 4
-    2.0...
+    >>> sharpened((1, -5, 4), 1.999), sharpened((1, -5, 4), 2.0000000000000004)
+    (2.0, 2.0000000000000004)
     """
     better = as_v(closed_in(a, v))
     return better if abs(better - v) > _A_ROUNDING * v else v
@@ -83,20 +83,18 @@ def is_nothing(a: Whole, at: Point, bits: int = EXACT) -> bool:
     return abs(whole.at_fraction(a, *at)) <= terms >> bits
 
 
-def apart(a: Whole, found: Sequence[float]) -> bool:
-    """Return whether a changes sign around every v found, each in an interval of its own.
+def apart(f: Callable[[float], float], found: Sequence[float], within: float = APART) -> bool:
+    """Return whether f changes sign around every v found, each in an interval of its own.
 
-    found  ascending; the intervals are as wide as ``_APART`` and end between neighbours
+    found   ascending
+    within  relative, how far an interval reaches to both sides, if not up to half way to the next
 
-    >>> apart((1, -5, 4), [1.0, 2.0]), apart((1, -5, 4), [1.0, 1.0])
+    >>> apart(lambda v: (v - 1) * (v - 2), [1.0, 2.0]), apart(lambda v: v - 1, [1.0, 1.0])
     (True, False)
     """
     between = [0.0, *((left + right) / 2 for left, right in pairwise(found)), inf]
     for v, (low, high) in zip(found, pairwise(between), strict=False):  # none found: no interval
-        below, above = (
-            whole.at_fraction(a, *squared(x))
-            for x in (max(low, v * (1 - _APART)), min(high, v * (1 + _APART)))
-        )
+        below, above = f(max(low, v * (1 - within))), f(min(high, v * (1 + within)))
         if not (below < 0 < above or above < 0 < below):
             return False
     return True
