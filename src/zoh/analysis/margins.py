@@ -175,8 +175,8 @@ def peak(loop: Loop, squares: Squares, look: Look, below: Below) -> Peak:
     """Return where |den + num|/|below| is least, both ends included."""
     place = look.lowest(below)
     value = squares.ratio(place, below) if squares.whole else loop.ratio(place, below)
-    if value < _NEEDLE and squares.whole:
-        place, value = deepest(squares, place, below)
+    if squares.whole and (value < _NEEDLE or isinstance(look, Close)):
+        place, value = deepest(squares, [place, *look.turns()], below)
     for v, top, bottom in loop.ends():
         under = abs(below[0] * bottom + below[1] * top)
         if not under:

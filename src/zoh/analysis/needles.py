@@ -4,25 +4,32 @@ A float of v near the lowest point is then not near enough, and a float of a sum
 is a rounding of what they are.
 """
 
+from collections.abc import Sequence
+
 from zoh.analysis.loop import Loop
 from zoh.analysis.sharp import as_v, closed_in, derivative
 from zoh.analysis.squares import Below, Squares
 from zoh.lti import signs, whole
 
+_A_ROUNDING = 1e-14  # relative, of the ratio of two sums
 
-def deepest(squares: Squares, v: float, below: Below) -> tuple[float, float]:
-    """Return (v, the ratio there) at the lowest point beside v; the ratio is 0 if any is.
 
+def deepest(squares: Squares, places: Sequence[float], below: Below) -> tuple[float, float]:
+    """Return (v, the ratio there) at the lowest of the points beside places; 0 if any point has it.
+
+    places  v where the ratio may be least, first where it seems to be; others are where L is real:
+            there it passes -1 if it does at all
     |D + N|^2 is 0 where it has a root; one that it shares with |D|^2 is a mode that L hides.
     """
     above, under, bottom = squares.closed, squares.below(below), squares.bottom
     if signs.positive_roots(whole.times(above, bottom)) > signs.positive_roots(bottom):
-        return as_v(closed_in(above, v)), 0.0
+        return min(places, key=lambda v: squares.ratio(v, below)), 0.0
     slope = whole.plus(
         whole.times(derivative(above), under), whole.times(above, derivative(under)), -1
     )
-    q = closed_in(slope, v)
-    return min((as_v(q), squares.ratio_at(q, below)), (v, squares.ratio(v, below)), key=_second)
+    seen = squares.ratio(places[0], below)
+    ratio, q = min((squares.ratio_at(q, below), q) for q in [closed_in(slope, v) for v in places])
+    return (as_v(q), ratio) if ratio < seen * (1 - _A_ROUNDING) else (places[0], seen)
 
 
 def ratio_at_end(loop: Loop, v: float, below: Below) -> float:
@@ -32,7 +39,3 @@ def ratio_at_end(loop: Loop, v: float, below: Below) -> float:
     n, d = next(pair for pair in zip(num, den, strict=True) if any(pair))
     n, d = abs(n) * (1 if top > 0 else -1), abs(d) * (1 if bottom > 0 else -1)
     return abs(d + n) / abs(round(below[0]) * d + round(below[1]) * n)
-
-
-def _second(pair: tuple[float, float]) -> float:
-    return pair[1]
