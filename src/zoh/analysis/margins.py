@@ -20,7 +20,7 @@ from zoh.analysis.certificates import Proof
 from zoh.analysis.close import Close
 from zoh.analysis.loop import Loop, out_of_range
 from zoh.analysis.margin_crossings import Crossings, gain_crossings, phase_crossings
-from zoh.analysis.needles import deepest, ratio_at_end
+from zoh.analysis.needles import deeper, deepest, ratio_at_end
 from zoh.analysis.proof import Found, Look, Peak, proved
 from zoh.analysis.results import Margins
 from zoh.analysis.rounding import doubts
@@ -119,7 +119,10 @@ def _looked_at(loop: Loop) -> Margins:
         look = Sparse.of(loop, squares)
         found = _measured(loop, squares, look, stable) if look else None
         if found is None or not _holds(found):
-            found = _measured(loop, squares, Close.of(loop, squares), stable)
+            closer = Close.of(loop, squares)
+            found = _measured(loop, squares, closer, stable)
+            if not _holds(found) and squares.whole:
+                found = _measured(loop, squares, closer, stable, deep=True)
         if not _holds(found) and not squares.whole and (squares := Squares.of(loop, LONG)).whole:
             found = _measured(loop, squares, Close.of(loop, squares), stable)
         return found
@@ -138,14 +141,14 @@ def _unproved(m: Margins) -> tuple[str, ...]:
 
 def _measured(
     loop: Loop, squares: Squares, look: Look, decision: tuple[bool | None, Proof],
-    *, prove: bool = True,
+    *, prove: bool = True, deep: bool = False,
 ) -> Margins:  # fmt: skip
     """Return everything that a look at the loop shows, with the proof that it is everything."""
     stable, why = decision
     unities, turns, drops = look.unities(), look.turns(), look.drops()
     by_phase = phase_crossings(loop, squares, unities, turns)
     by_gain = gain_crossings(loop, squares, unities, by_phase)
-    peaks = [peak(loop, squares, look, below) for below in (ON_DEN, ON_NUM, ON_OPPOSITE)]
+    peaks = [peak(loop, squares, look, below, deep=deep) for below in (ON_DEN, ON_NUM, ON_OPPOSITE)]
     found = Found(unities, turns, drops, peaks)
     certificate = proved(loop, squares, look, found, stable=why) if prove else None
     nearest_gain = min(by_phase, key=lambda c: abs(log(c[1])), default=(None, inf))
@@ -171,12 +174,17 @@ def _measured(
     )
 
 
-def peak(loop: Loop, squares: Squares, look: Look, below: Below) -> Peak:
-    """Return where |den + num|/|below| is least, both ends included."""
+def peak(loop: Loop, squares: Squares, look: Look, below: Below, *, deep: bool = False) -> Peak:
+    """Return where |den + num|/|below| is least, both ends included.
+
+    deep  whether that is closed in on in whole numbers; where it is all but 0 it always is
+    """
     place = look.lowest(below)
     value = squares.ratio(place, below) if squares.whole else loop.ratio(place, below)
-    if squares.whole and (value < _NEEDLE or isinstance(look, Close)):
+    if value < _NEEDLE and squares.whole:
         place, value = deepest(squares, [place, *look.turns()], below)
+    elif deep:
+        place, value = deeper(squares, [place], below)
     for v, top, bottom in loop.ends():
         under = abs(below[0] * bottom + below[1] * top)
         if not under:

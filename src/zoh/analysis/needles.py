@@ -15,15 +15,23 @@ _A_ROUNDING = 1e-14  # relative, of the ratio of two sums
 
 
 def deepest(squares: Squares, places: Sequence[float], below: Below) -> tuple[float, float]:
-    """Return (v, the ratio there) at the lowest of the points beside places; 0 if any point has it.
+    """Return what ``deeper`` does where the ratio is all but 0; 0 where a point has that.
 
-    places  v where the ratio may be least, first where it seems to be; others are where L is real:
-            there it passes -1 if it does at all
+    places  those that ``deeper`` takes; where L is real, it passes -1 if it does at all
     |D + N|^2 is 0 where it has a root; one that it shares with |D|^2 is a mode that L hides.
     """
-    above, under, bottom = squares.closed, squares.below(below), squares.bottom
+    above, bottom = squares.closed, squares.bottom
     if signs.positive_roots(whole.times(above, bottom)) > signs.positive_roots(bottom):
         return min(places, key=lambda v: squares.ratio(v, below)), 0.0
+    return deeper(squares, places, below)
+
+
+def deeper(squares: Squares, places: Sequence[float], below: Below) -> tuple[float, float]:
+    """Return (v, the ratio there) at the lowest of the points where it is least beside places.
+
+    places  v, first where the ratio seems to be least: that is returned if none is lower
+    """
+    above, under = squares.closed, squares.below(below)
     slope = whole.plus(
         whole.times(derivative(above), under), whole.times(above, derivative(under)), -1
     )

@@ -22,7 +22,7 @@ _AWAY = 10  # bits: a root that is not within a thousandth of where it was seen 
 # bits that |num|^2 is below its own terms at a root of num: of coefficients that are meant to the
 # last bit, of such as are rounded
 EXACT, ROUNDED = 240, 93
-_A_ROUNDING = 4e-15  # relative; of a float that is a root but for the last steps to it
+_JUST_BELOW, _JUST_ABOVE = 1 - 4e-15, 1 + 4e-15  # a float there is the root but for roundings
 APART = 2.0**-40  # relative; a root is within this of where it was found
 
 
@@ -70,8 +70,10 @@ def sharpened(a: Whole, v: float) -> float:
     >>> sharpened((1, -5, 4), 1.9999), sharpened((1, -5, 4), 2.0000000000000004)
     (2.0, 2.0000000000000004)
     """
-    better = as_v(closed_in(a, v))
-    return better if abs(better - v) > _A_ROUNDING * v else v
+    below, above = (whole.at_fraction(a, *squared(x)) for x in (v * _JUST_BELOW, v * _JUST_ABOVE))
+    if below < 0 < above or above < 0 < below:
+        return v
+    return as_v(closed_in(a, v))
 
 
 def is_nothing(a: Whole, at: Point, bits: int = EXACT) -> bool:
