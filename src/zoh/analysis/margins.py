@@ -16,6 +16,7 @@ from math import inf, isnan, log, radians, tau
 
 import numpy as np
 
+from zoh.analysis.blurred import blurs
 from zoh.analysis.certificates import Proof
 from zoh.analysis.close import Close
 from zoh.analysis.loop import Loop, out_of_range
@@ -70,7 +71,7 @@ def measure_loop(loop: Loop) -> Margins:
     numbers = [found.gain_margin, found.phase_margin_deg, found.modulus_margin, found.mt]
     if any(map(isnan, [*numbers, found.disk_margin])):
         raise out_of_range([*loop.num, *loop.den])
-    told = (*_unproved(found), *doubts(loop, found))
+    told = (*_unproved(found), *doubts(loop, found), *blurs(loop, found))
     return replace(found, warnings=told) if told else found
 
 

@@ -86,11 +86,12 @@ def counted(a: Whole, found: Sequence[float]) -> Proof:
     if most == len(found) <= 1 or (most == len(found) and _apart(a, found)):
         detail = f"{most} sign changes, {len(found)} found"
         return Proof(holds=True, method="Descartes", detail=detail)
-    number, alone = signs.crossings(a), _apart(a, found)
+    number = signs.crossings(a)
     detail = f"{number} sign changes on the axis, {len(found)} found"
-    if not alone:
-        detail += _NOT_APART
-    return Proof(holds=alone and number == len(found), method="Sturm", detail=detail)
+    holds = number == len(found)
+    if holds and not _apart(a, found):
+        holds, detail = False, detail + _NOT_APART
+    return Proof(holds=holds, method="Sturm", detail=detail)
 
 
 def _apart(a: Whole, found: Sequence[float]) -> bool:

@@ -1,0 +1,52 @@
+"""What the rounding of coefficients in w costs where a loop has a mode with hardly any damping.
+
+A hold's coefficients are proved to 60 bits and rounded once, a product's once more. Each may be
+off by a part 2^-53 of itself, twice that here; so num(jv) is off by that part of its terms, and
+where they cancel, beside a zero or a pole next to the axis, L by a larger part rho of itself. A
+crossing moves by rho over the slope of the gain or of the phase there. First order, and an upper
+bound. Source: that of ``rounding``, which asks the same of given z-coefficients.
+"""
+
+from math import degrees, inf
+
+from zoh.analysis.axis import terms
+from zoh.analysis.loop import Loop
+from zoh.analysis.results import Margins
+from zoh.lti.wplane import warp
+
+_UNIT = 2.0**-52
+_SAID = 1e-9  # deg, and relative: what is off by less is not worth a word
+_NOTHING = 1e-13  # relative; no slope makes more than _SAID of less
+_END = 1e9  # v dt; beyond it is the end of the axis, where L is real whatever it is
+
+
+def blurs(loop: Loop, m: Margins) -> tuple[str, ...]:
+    """Return a sentence on what may be off by more than a millionth, () where nothing is."""
+    if loop.given:
+        return ()
+    found = []
+    if m.crossover and (off := degrees(_off(loop, m.crossover, turning=True))) > _SAID:
+        found.append(f"the phase margin may be off by {off:.1g} deg")
+    if m.phase_crossover and (off := _off(loop, m.phase_crossover, turning=False)) > _SAID:
+        found.append(f"the gain margin may be off by {100 * off:.1g} %")
+    if not found:
+        return ()
+    reason = "a zero or a pole next to the axis is beside it"
+    return (f"by the rounding of coefficients in w {', '.join(found)}: {reason}",)
+
+
+def _off(loop: Loop, w: float, *, turning: bool) -> float:
+    """Return by how much rounding moves ln L at a crossing: its phase in rad, or its gain."""
+    v = w if loop.dt is None else warp(w, loop.dt)
+    if not v * (loop.dt or 0.0) < _END:
+        return 0.0
+    top, bottom = map(abs, loop.point(v))
+    if not (top and bottom):
+        return 0.0
+    part = _UNIT * (terms(loop.num, v) / top + terms(loop.den, v) / bottom)
+    if not _NOTHING < part < inf:
+        return 0.0
+    n, d, dn, dd = loop.slopes(v)
+    slope = dn / n - dd / d
+    own, other = (slope.imag, slope.real) if turning else (slope.real, slope.imag)
+    return part * (1 + abs(own / other)) if other else inf
