@@ -1,0 +1,62 @@
+"""Where the rounding of a made loop's coefficients moves a margin, and that it is said."""
+
+from math import degrees
+
+import pytest
+
+from zoh.analysis.blurred import _off, blurs
+from zoh.analysis.loop import Loop
+from zoh.analysis.margins import margins, measure_loop
+from zoh.errors import AccuracyWarning
+from zoh.lti.systems import Plant, Sampled
+from zoh.sampling.hold import sample
+
+HALF_DIGITS = 2.0**-52
+
+
+def mode(damping, k, dt=0.5):
+    """Return k/(w^2 + damping w + 1) in w."""
+    return Loop.of(Sampled.from_w(num_w=[k], den_w=[1, damping, 1], dt=dt))
+
+
+@pytest.mark.parametrize("loud", [2.0, 10.0])
+@pytest.mark.parametrize("damping", [1e-7, 1e-9])
+def test_beside_a_mode_by_hand(loud, damping):
+    """k/(1 - q + j a v), k = loud a: |L| = 1 where |1 - q| = a sqrt(loud^2 - 1), all but.
+
+    den is k there, of terms 2: rho is 2 units/k, and one unit of num. With x = 1 - q the phase
+    is -arctan(a/x) and ln|L| is -ln(x^2 + a^2)/2: slopes of a/(x^2 + a^2) and x/(x^2 + a^2).
+    """
+    loop = mode(damping, loud * damping)
+    found = measure_loop(loop)
+    part = HALF_DIGITS * (1 + 2 / (loud * damping))
+    expected = part * (1 + 1 / (loud**2 - 1) ** 0.5)
+    # 1e-3: q is taken as 1 in what is not a difference
+    assert _off(loop, found.crossover, turning=True) == pytest.approx(expected, rel=1e-3)
+    said = blurs(loop, found)
+    assert said == (
+        f"by the rounding of coefficients in w the phase margin may be off by "
+        f"{degrees(expected):.1g} deg: a zero or a pole next to the axis is beside it",
+    )
+    assert said[0] in found.warnings
+
+
+def test_what_is_damped_and_what_is_meant_are_not_doubted():
+    for damping in (0.01, 1.0):
+        assert blurs(mode(damping, 2 * damping), measure_loop(mode(damping, 2 * damping))) == ()
+    meant = Loop.of(Plant(num=[2e-7], den=[1, 1e-7, 1]))
+    assert measure_loop(meant).warnings == ()
+    z = Sampled(num=[0.1], den=[1, -0.9], dt=1.0)  # leaves at z = -1: the end of the axis
+    assert blurs(Loop.of(z), margins(z)) == ()
+    made = Loop.of(sample(Plant(num=[1], den=[1, 1]), 0.1))
+    assert blurs(made, measure_loop(made)) == ()
+    assert _off(made, 31.41592653589793, turning=False) == 0.0
+
+
+def test_a_gain_margin_beside_an_undamped_zero_is_doubted():
+    """(w^2 + 1)/(w^2 + w + 1) on an integrator that is late by dt/2: real beside 1."""
+    notch = Sampled.from_w(num_w=[1, 0, 1], den_w=[1, 1, 1], dt=1e-6)
+    loop = notch * sample(Plant(num=[1], den=[1, 0]), 1e-6)
+    with pytest.warns(AccuracyWarning, match=r"in w the gain margin may be off by .* %: a zero"):
+        found = margins(loop)
+    assert found.phase_crossover == pytest.approx(1 - 2.5e-7, rel=1e-12)
