@@ -41,6 +41,20 @@ def test_beside_a_mode_by_hand(loud, damping):
     assert said[0] in found.warnings
 
 
+def test_a_margin_that_is_not_the_smallest_is_named():
+    """5/(w + 1) with a zero beside an undamped pole: real near both, the pole's the less sure."""
+    a = 1e-8
+    loop = Loop.of(
+        Sampled.from_w(num_w=[5.0], den_w=[1, 1], dt=0.5),
+        Sampled.from_w(num_w=[1, a, 1.001], den_w=[1, a, 1], dt=0.5),
+    )
+    found = measure_loop(loop)
+    (pole, _), (zero, _) = found.phase_crossings  # beside the pole L is 2.5e5, beside the zero 5e-5
+    assert zero == found.phase_crossover != pole
+    (said,) = blurs(loop, found)
+    assert f"in w the gain margin at {pole:.6g} rad/s may be off by " in said
+
+
 def test_what_is_damped_and_what_is_meant_are_not_doubted():
     for damping in (0.01, 1.0):
         assert blurs(mode(damping, 2 * damping), measure_loop(mode(damping, 2 * damping))) == ()

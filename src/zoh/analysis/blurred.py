@@ -11,6 +11,7 @@ from math import degrees, inf
 
 from zoh.analysis.axis import terms
 from zoh.analysis.loop import Loop
+from zoh.analysis.margin_crossings import Crossings
 from zoh.analysis.results import Margins
 from zoh.lti.wplane import warp
 
@@ -21,18 +22,32 @@ _END = 1e9  # v dt; beyond it is the end of the axis, where L is real whatever i
 
 
 def blurs(loop: Loop, m: Margins) -> tuple[str, ...]:
-    """Return a sentence on what may be off by more than a millionth, () where nothing is."""
+    """Return a sentence on the margins that may be off by more than 1e-9, () where none is."""
     if loop.given:
         return ()
     found = []
-    if m.crossover and (off := degrees(_off(loop, m.crossover, turning=True))) > _SAID:
-        found.append(f"the phase margin may be off by {off:.1g} deg")
-    if m.phase_crossover and (off := _off(loop, m.phase_crossover, turning=False)) > _SAID:
-        found.append(f"the gain margin may be off by {100 * off:.1g} %")
+    w, off = _worst(loop, [*m.gain_crossings], turning=True)
+    if (off := degrees(off)) > _SAID:
+        found.append(f"{_named('phase margin', w, m.crossover)} may be off by {off:.1g} deg")
+    w, off = _worst(loop, [*m.phase_crossings], turning=False)
+    if off > _SAID:
+        found.append(
+            f"{_named('gain margin', w, m.phase_crossover)} may be off by {100 * off:.1g} %"
+        )
     if not found:
         return ()
     reason = "a zero or a pole next to the axis is beside it"
     return (f"by the rounding of coefficients in w {', '.join(found)}: {reason}",)
+
+
+def _named(figure: str, w: float, nearest: float | None) -> str:
+    return f"the {figure}" if w == nearest else f"the {figure} at {w:.6g} rad/s"
+
+
+def _worst(loop: Loop, crossings: Crossings, *, turning: bool) -> tuple[float, float]:
+    """Return (w, by how much it may be off) of the crossing that is moved most."""
+    moved = [(w, _off(loop, w, turning=turning)) for w, _ in crossings if w]
+    return max(moved, key=lambda pair: pair[1], default=(0.0, 0.0))
 
 
 def _off(loop: Loop, w: float, *, turning: bool) -> float:
