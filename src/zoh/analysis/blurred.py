@@ -12,36 +12,32 @@ from math import degrees, inf
 from zoh.analysis.axis import terms
 from zoh.analysis.loop import Loop
 from zoh.analysis.margin_crossings import Crossings
-from zoh.analysis.results import Margins
 from zoh.lti.wplane import warp
 
 _UNIT = 2.0**-52
-_SAID = 1e-9  # deg, and relative: what is off by less is not worth a word
-_NOTHING = 1e-13  # relative; no slope makes more than _SAID of less
+_SAID = 1e-6  # deg, and relative: what is off by less is not worth a word
+_NOTHING = 1e-10  # relative; no slope makes more than _SAID of less
 _END = 1e9  # v dt; beyond it is the end of the axis, where L is real whatever it is
 
 
-def blurs(loop: Loop, m: Margins) -> tuple[str, ...]:
-    """Return a sentence on the margins that may be off by more than 1e-9, () where none is."""
+def blurs(loop: Loop, by_gain: Crossings, by_phase: Crossings) -> tuple[str, ...]:
+    """Return a sentence on the margins that may be off by a millionth or more; () is none.
+
+    by_gain, by_phase  every crossing of |L| = 1 and of L < 0 with its margin
+    """
     if loop.given:
         return ()
     found = []
-    w, off = _worst(loop, [*m.gain_crossings], turning=True)
+    w, off = _worst(loop, by_gain, turning=True)
     if (off := degrees(off)) > _SAID:
-        found.append(f"{_named('phase margin', w, m.crossover)} may be off by {off:.1g} deg")
-    w, off = _worst(loop, [*m.phase_crossings], turning=False)
+        found.append(f"the phase margin at {w:.6g} rad/s may be off by {off:.1g} deg")
+    w, off = _worst(loop, by_phase, turning=False)
     if off > _SAID:
-        found.append(
-            f"{_named('gain margin', w, m.phase_crossover)} may be off by {100 * off:.1g} %"
-        )
+        found.append(f"the gain margin at {w:.6g} rad/s may be off by {100 * off:.1g} %")
     if not found:
         return ()
     reason = "a zero or a pole next to the axis is beside it"
     return (f"by the rounding of coefficients in w {', '.join(found)}: {reason}",)
-
-
-def _named(figure: str, w: float, nearest: float | None) -> str:
-    return f"the {figure}" if w == nearest else f"the {figure} at {w:.6g} rad/s"
 
 
 def _worst(loop: Loop, crossings: Crossings, *, turning: bool) -> tuple[float, float]:

@@ -34,12 +34,15 @@ def margin_deg(gain: complex) -> float:
 
 
 def gain_crossings(
-    loop: Loop, squares: Squares, unities: list[float], by_phase: Crossings
+    loop: Loop, squares: Squares, unities: list[float], by_phase: Crossings, beside: list[float]
 ) -> Crossings:
-    """Return (frequency, phase margin in deg) wherever |L| passes through 1."""
+    """Return (frequency, phase margin in deg) wherever |L| passes through 1.
+
+    v of those beside a root of num or den is added to ``beside``.
+    """
     if not any(squares.gain):  # |L| is 1 everywhere: what counts is where L is -1
         return [(w, 0.0) for w, _ in by_phase]
-    crossings = [_at_unity(loop, squares, v) for v in unities]
+    crossings = [_at_unity(loop, squares, v, beside) for v in unities]
     for v, top, bottom in loop.ends():
         if not bottom or abs(abs(top / bottom) - 1) > _TOUCHES:
             continue
@@ -54,22 +57,26 @@ def gain_crossings(
 
 
 def phase_crossings(
-    loop: Loop, squares: Squares, unities: list[float], turns: list[float]
+    loop: Loop, squares: Squares, unities: list[float], turns: list[float], beside: list[float]
 ) -> Crossings:
-    """Return (frequency, factor on L that closes onto -1) wherever L is negative real."""
+    """Return (frequency, factor on L that closes onto -1) wherever L is negative real.
+
+    v of those beside a root of num or den is added to ``beside``.
+    """
     if not loop.dead_time and not any(squares.turn):
-        return _always_real(loop, squares, unities)
-    crossings = [found for v in turns if (found := _at_turn(loop, squares, v))]
+        return _always_real(loop, squares, unities, beside)
+    crossings = [found for v in turns if (found := _at_turn(loop, squares, v, beside))]
     every = crossings + _at_the_ends(loop)
     return sorted((w, factor) for w, factor in every if 0 < factor < inf)  # what a float holds
 
 
-def _at_unity(loop: Loop, squares: Squares, v: float) -> tuple[float, float]:
+def _at_unity(loop: Loop, squares: Squares, v: float, beside: list[float]) -> tuple[float, float]:
     """Return (frequency, phase margin in deg) where |L| = 1."""
     (top, of_top), (bottom, of_bottom) = map(_within_floats, loop.point(v))
     product = top * bottom.conjugate()
     if abs(product) > _SHARP * _bulk(loop, v, of_top, of_bottom):
         return loop.frequency(v), margin_deg(product)
+    beside.append(v)
     q = closed_in(squares.gain, v)
     v, product = as_v(q), squares.direction(q)
     if not squares.whole:
@@ -77,12 +84,17 @@ def _at_unity(loop: Loop, squares: Squares, v: float) -> tuple[float, float]:
     return loop.frequency(v), margin_deg(product)
 
 
-def _at_turn(loop: Loop, squares: Squares, v: float) -> tuple[float, float] | None:
+def _at_turn(
+    loop: Loop, squares: Squares, v: float, beside: list[float]
+) -> tuple[float, float] | None:
     """Return (frequency, factor onto -1) where L is real, None where it is not below 0."""
     (top, of_top), (bottom, of_bottom) = map(_within_floats, loop.point(v))
     product = (top * bottom.conjugate()).real
     bulk = _bulk(loop, v, of_top, of_bottom)
-    if squares.whole and not abs(product) > _SHARP * bulk:
+    near = not abs(product) > _SHARP * bulk
+    if near:
+        beside.append(v)
+    if near and squares.whole:
         q = closed_in(squares.turn, v)
         bits = EXACT if loop.given else ROUNDED
         if is_nothing(squares.top, q, bits) or is_nothing(squares.bottom, q, bits):
@@ -100,14 +112,16 @@ def _at_the_ends(loop: Loop) -> Crossings:
     ]
 
 
-def _always_real(loop: Loop, squares: Squares, unities: list[float]) -> Crossings:
+def _always_real(
+    loop: Loop, squares: Squares, unities: list[float], beside: list[float]
+) -> Crossings:
     """Return the phase crossings of a loop that is real at every frequency.
 
     Any gain inside its range then makes it marginal somewhere: where |L| is 1 the factor is 1.
     """
     found = [
         (w, 1.0)
-        for w, pm in gain_crossings(loop, squares, unities, [])
+        for w, pm in gain_crossings(loop, squares, unities, [], beside)
         if abs(pm) < 1e-9  # deg: at -1, not at +1
     ]
     return sorted({*found, *_at_the_ends(loop)})

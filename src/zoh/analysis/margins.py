@@ -71,7 +71,7 @@ def measure_loop(loop: Loop) -> Margins:
     numbers = [found.gain_margin, found.phase_margin_deg, found.modulus_margin, found.mt]
     if any(map(isnan, [*numbers, found.disk_margin])):
         raise out_of_range([*loop.num, *loop.den])
-    told = (*_unproved(found), *doubts(loop, found), *blurs(loop, found))
+    told = (*_unproved(found), *doubts(loop, found), *found.warnings)
     return replace(found, warnings=told) if told else found
 
 
@@ -101,8 +101,8 @@ def nearest_crossing(loop: Loop) -> tuple[float | None, float]:
             look = Close.of(loop, squares)
             unities = look.unities()
             turns = [] if any(squares.gain) else look.turns()
-            by_phase = phase_crossings(loop, squares, unities, turns)
-            return _nearest(gain_crossings(loop, squares, unities, by_phase))
+            by_phase = phase_crossings(loop, squares, unities, turns, [])
+            return _nearest(gain_crossings(loop, squares, unities, by_phase, []))
     except OverflowError:
         raise out_of_range([*loop.num, *loop.den]) from None
 
@@ -147,8 +147,9 @@ def _measured(
     """Return everything that a look at the loop shows, with the proof that it is everything."""
     stable, why = decision
     unities, turns, drops = look.unities(), look.turns(), look.drops()
-    by_phase = phase_crossings(loop, squares, unities, turns)
-    by_gain = gain_crossings(loop, squares, unities, by_phase)
+    beside: list[float] = []
+    by_phase = phase_crossings(loop, squares, unities, turns, beside)
+    by_gain = gain_crossings(loop, squares, unities, by_phase, beside)
     peaks = [peak(loop, squares, look, below, deep=deep) for below in (ON_DEN, ON_NUM, ON_OPPOSITE)]
     found = Found(unities, turns, drops, peaks)
     certificate = proved(loop, squares, look, found, stable=why) if prove else None
@@ -172,6 +173,7 @@ def _measured(
         gain_crossings=tuple(by_gain),
         phase_crossings=tuple(by_phase),
         certificate=certificate,
+        warnings=blurs(loop, by_gain, by_phase) if beside else (),
     )
 
 
