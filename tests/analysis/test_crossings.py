@@ -82,6 +82,22 @@ def test_sign_changes_between_points_of_unlike_sign():
     assert sign_changes(sin, v, np.ones(6)) == []
 
 
+@pytest.mark.parametrize("other", [1.95, 1.9999, 2.0001, 2.05])
+def test_a_root_on_a_point_hides_no_other(other):
+    def f(x):
+        return (x - 2.0) * (x - other)
+
+    v = np.array([1.0, 2.0, 3.0])
+    found = sign_changes(f, v, np.sign(f(v)))
+    assert found == pytest.approx(sorted([2.0, other]), rel=1e-12)
+    turned = sign_changes(lambda x: -f(x), v, -np.sign(f(v)))
+    assert turned == pytest.approx(sorted([2.0, other]), rel=1e-12)
+    touched = sign_changes(lambda x: (x - 2.0) ** 2, v, np.array([1.0, 0.0, 1.0]))
+    assert touched == []
+    left_out = sign_changes(f, v, np.array([1.0, 0.0, 0.0]))  # points beyond which none is asked
+    assert left_out == []
+
+
 def test_roots_that_rounding_cannot_tell_apart_are_one():
     assert merged([2.0, 1.0, 1.0 + 5e-13, 3.0]) == [1.0, 2.0, 3.0]
     assert merged([1.0, 1.0 + 2e-12]) == [1.0, 1.0 + 2e-12]

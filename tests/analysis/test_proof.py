@@ -92,14 +92,19 @@ def test_the_methods_are_named():
 @pytest.mark.parametrize(
     ("a", "found", "holds", "method"),
     [
-        ((1, -1, -2), 1, True, "Descartes"),
-        ((1, -3, 2), 2, True, "Sturm"),
-        ((1, -2, 2), 2, False, "Sturm"),  # two sign changes and two said, but no root
-        ((1, -3, 2), 1, False, "Sturm"),
-        ((1, -1, 1), 0, True, "Sturm"),  # two sign changes, no root
-        ((1, -2, 1), 0, True, "Sturm"),  # touches, does not cross
-        ((1, -3, 3, -1), 1, True, "Sturm"),  # three times the same root is one crossing
-        ((0,), 0, True, "Descartes"),
+        ((1, -1, -2), [sqrt(2)], True, "Descartes"),
+        ((1, -3, 2), [1.0, sqrt(2)], True, "Descartes"),
+        ((1, -2, 2), [1.0, 1.5], False, "Sturm"),  # two sign changes and two said, but no root
+        ((1, -3, 2), [1.0], False, "Sturm"),
+        ((1, -3, 2), [1.0, 1.0], False, "Sturm"),  # one of them twice, the other missed
+        ((1, -3, 2), [1.0, 1.0 + 1e-15], False, "Sturm"),
+        ((1, -3, 2), [1.0, 1.4], False, "Sturm"),  # the other one elsewhere
+        ((1, -3, 2), [1.0, sqrt(2) * (1 + 1e-9)], False, "Sturm"),
+        ((1, -1, 1), [], True, "Sturm"),  # two sign changes, no root
+        ((1, -2, 1), [], True, "Sturm"),  # touches, does not cross
+        ((1, -3, 3, -1), [1.0], True, "Sturm"),  # three times the same root is one crossing
+        ((1, -3, 3, -1), [1.1], False, "Sturm"),
+        ((0,), [], True, "Descartes"),
     ],
 )
 def test_counts(a, found, holds, method):
@@ -120,7 +125,7 @@ def test_the_sparse_look_alone_misses_a_needle_and_says_so():
     squares = Squares.of(loop)
     look = Sparse.of(loop, squares)
     assert look.unities() == []
-    assert not counted(squares.gain, 0).holds
+    assert not counted(squares.gain, []).holds
     assert len(measure_loop(loop).gain_crossings) == 2
 
 
@@ -265,8 +270,10 @@ def test_a_hand_worked_peak():
 
 
 def test_what_each_proof_says():
-    assert counted((1, -1, -2), 1).detail == "1 sign changes, 1 found"
-    assert counted((1, -3, 2), 1).detail == "2 sign changes on the axis, 1 found"
+    assert counted((1, -1, -2), [sqrt(2)]).detail == "1 sign changes, 1 found"
+    assert counted((1, -3, 2), [1.0]).detail == "2 sign changes on the axis, 1 found"
+    twice = "2 sign changes on the axis, 2 found, not each with a sign change of its own"
+    assert counted((1, -3, 2), [1.0, 1.0]).detail == twice
     everywhere = margins(Sampled(num=[1.0], den=[1.0], dt=1.0))  # L = 1: |D - N| is 0
     assert everywhere.disk_margin == inf
     assert everywhere.certificate.disk_margin == Proof(

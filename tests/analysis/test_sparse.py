@@ -6,16 +6,9 @@ from math import inf, sqrt
 import numpy as np
 import pytest
 
+from zoh.analysis import newton
 from zoh.analysis.loop import Loop
-from zoh.analysis.sparse import (
-    Sparse,
-    _by_secant,
-    _grid,
-    _parabola,
-    _polished,
-    _root,
-    _stationary,
-)
+from zoh.analysis.sparse import Sparse, _by_secant, _grid, _polished
 from zoh.analysis.squares import DROP, ON_DEN, ON_NUM, ON_OPPOSITE, Squares
 from zoh.lti.systems import Plant, Sampled
 
@@ -151,7 +144,7 @@ def test_the_least_ratios_by_hand():
 )
 def test_a_root_between_two_points(a, low, high, root):
     at_low, at_high = np.polyval(a, low), np.polyval(a, high)
-    found = _root(a, low, high, at_low, at_high)
+    found = newton.root(a, low, high, at_low, at_high)
     if root is None:
         root = min(np.roots(a).real)
     if a == [1.0, -3.0, 3.0, -1.0]:
@@ -175,23 +168,23 @@ def test_a_root_between_two_points(a, low, high, root):
 )
 def test_a_least_ratio_between_two_points(p, q, x, low, high, least):
     tolerance = 1e-4 if len(p) == 5 else 1e-10  # flat; flatter where the bend is 0 as well
-    assert _stationary(p, q, x, low, high) == pytest.approx(least, rel=tolerance)
+    assert newton.stationary(p, q, x, low, high) == pytest.approx(least, rel=tolerance)
 
 
 def test_a_parabola_is_least_between():
     # (x - 0.25)^2 at -1, 0, 1
-    assert _parabola(1.5625, 0.0625, 0.5625) == pytest.approx(0.25)
-    assert _parabola(3.0, 1.0, 2.0) == pytest.approx(1 / 6)
-    assert _parabola(1.0, 1.0, 1.0) == 0.0
-    assert _parabola(1.0, 2.0, 1.0) == 0.0
-    assert _parabola(inf, 2.0, 3.0) == 0.0
+    assert newton.parabola(1.5625, 0.0625, 0.5625) == pytest.approx(0.25)
+    assert newton.parabola(3.0, 1.0, 2.0) == pytest.approx(1 / 6)
+    assert newton.parabola(1.0, 1.0, 1.0) == 0.0
+    assert newton.parabola(1.0, 2.0, 1.0) == 0.0
+    assert newton.parabola(inf, 2.0, 3.0) == 0.0
 
 
 def test_a_ratio_of_polynomials_is_least_where_its_derivative_says():
     """Of (x^3 + 16)/(2 x^2) it is (1 - 32/x^3)/2, of (3 x^3 + 6 x + 4)/x^2 3 - 6/x^2 - 8/x^3."""
-    cube = _stationary([1.0, 0.0, 0.0, 16.0], [0.0, 2.0, 0.0, 0.0], 3.0, 2.0, 5.0)
+    cube = newton.stationary([1.0, 0.0, 0.0, 16.0], [0.0, 2.0, 0.0, 0.0], 3.0, 2.0, 5.0)
     assert cube == pytest.approx(32 ** (1 / 3), rel=1e-12)  # a last step of 1e-6 leaves its square
-    x = _stationary([3.0, 0.0, 6.0, 4.0], [0.0, 1.0, 0.0, 0.0], 1.9, 1.0, 4.0)
+    x = newton.stationary([3.0, 0.0, 6.0, 4.0], [0.0, 1.0, 0.0, 0.0], 1.9, 1.0, 4.0)
     assert 3 * x**3 - 6 * x - 8 == pytest.approx(0.0, abs=1e-10)  # of terms of 20: as above
 
 

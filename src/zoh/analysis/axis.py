@@ -15,6 +15,18 @@ def scalar(a: Sequence[float], v: float) -> complex:
     return complex(re, im)
 
 
+def terms(a: Sequence[float], v: float) -> float:
+    """Return the sizes of a polynomial's terms at j v, added up.
+
+    >>> terms((1.0, -2.0, 3.0), 2.0)
+    11.0
+    """
+    size = abs(a[0])
+    for c in a[1:]:
+        size = size * v + abs(c)
+    return size
+
+
 def with_slope(a: Sequence[float], v: float) -> tuple[complex, complex]:
     """Return a(j v) and its derivative with respect to v.
 

@@ -12,8 +12,9 @@ from math import inf, pi
 import numpy as np
 
 from zoh.analysis.axis import scalar
-from zoh.analysis.crossings import least, sign_changes
+from zoh.analysis.crossings import least, merged, sign_changes
 from zoh.analysis.loop import Array, ComplexArray, Loop
+from zoh.analysis.sharp import sharpened
 from zoh.analysis.squares import Below, Squares, corners
 from zoh.errors import SpecError
 from zoh.lti import poly, whole
@@ -61,7 +62,7 @@ class Close:
         over = np.abs(self.top) - np.abs(self.bottom)
         for i in np.flatnonzero(np.abs(over) < _FLAT * np.abs(self.bottom)):
             over[i] = self.squares.over_bottom(self.squares.gain, float(self.v[i]))
-        return sign_changes(self._excess, self.v, np.sign(over))
+        return _sharpened(self.squares.gain, sign_changes(self._excess, self.v, np.sign(over)))
 
     def _excess(self, v: float) -> float:
         """Return |L| - 1, from the exact polynomials where floats do not tell it from 0."""
@@ -74,10 +75,12 @@ class Close:
         """Return every v up to ``reach`` at which L is real, ascending."""
         if self.loop.dead_time:
             side = (self.top * np.conj(self.bottom)).imag
-            return sign_changes(self.loop.side, self.v, np.sign(side) * (self.v <= self.reach))
+            found = sign_changes(self.loop.side, self.v, np.sign(side) * (self.v <= self.reach))
+            return _sharpened(self.squares.turn, found) if self.squares.whole else found
         # far from all corners the phase nears a multiple of 90 deg, and only this sign holds
         turning = _by_polynomial(self.squares.turn)
-        return sign_changes(turning, self.v, np.sign([turning(v) for v in self.v.tolist()]))
+        found = sign_changes(turning, self.v, np.sign([turning(v) for v in self.v.tolist()]))
+        return _sharpened(self.squares.turn, found)
 
     def drops(self) -> list[float]:
         """Return every v at which |T| passes the level at which the bandwidth ends, ascending."""
@@ -85,7 +88,8 @@ class Close:
         if not level:
             return []
         signs = np.sign(np.abs(self.top) - level * np.abs(self.bottom + self.top))
-        return sign_changes(lambda v: self.loop.above(v, level), self.v, signs)
+        found = sign_changes(lambda v: self.loop.above(v, level), self.v, signs)
+        return _sharpened(self.squares.drop, found) if self.squares.whole else found
 
     def lowest(self, below: Below) -> float:
         """Return the v at which |den + num|/|below| is least."""
@@ -104,6 +108,11 @@ class Close:
 
         under = np.abs(on_bottom * self.bottom + on_top * self.top)
         return least(ratio, slope, self.v, np.abs(self.bottom + self.top) / under)
+
+
+def _sharpened(a: Whole, found: Sequence[float]) -> list[float]:
+    """Return the roots of a that were found, to a float's last digits, each once."""
+    return merged([sharpened(a, v) for v in found])
 
 
 def _by_polynomial(turn: Whole) -> Callable[[float], float]:

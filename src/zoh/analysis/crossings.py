@@ -22,9 +22,25 @@ _FLAT = 1e-11  # relative; a minimum is flat, and its slope has no more digits t
 
 def sign_changes(f: Callable[[float], float], v: Array, signs: Array) -> list[float]:
     """Return every root of f between neighbouring v whose signs differ, each root once."""
-    v, signs = v[signs != 0], signs[signs != 0]
+    v, signs = _signed(f, v, signs)
     flips = np.flatnonzero(signs[1:] != signs[:-1])
     return merged(bracketed(f, float(v[i]), float(v[i + 1])) for i in flips)
+
+
+def _signed(f: Callable[[float], float], v: Array, signs: Array) -> tuple[Array, Array]:
+    """Return the points at which f is not 0, and beside one where it is, if its neighbours agree.
+
+    There f may touch 0, or pass it and come back before the next point: its sign beside tells.
+    """
+    between = (signs[1:-1] == 0) & (signs[:-2] * signs[2:] > 0)
+    if between.any():
+        on_it = v[1:-1][between]
+        beside = np.concatenate([on_it * (1 - _TWINS), on_it * (1 + _TWINS)])
+        v = np.concatenate([v, beside])
+        signs = np.concatenate([signs, np.sign([f(x) for x in beside.tolist()])])
+        order = v.argsort()
+        v, signs = v[order], signs[order]
+    return v[signs != 0], signs[signs != 0]
 
 
 def bracketed(f: Callable[[float], float], a: float, b: float, within: float = _LAST_BIT) -> float:

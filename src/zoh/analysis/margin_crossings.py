@@ -4,15 +4,19 @@ What was found along the axis is given; the ends of the axis are looked at here.
 at both, whatever it is, and a hold's rounding may put |L| on either side of 1 there.
 """
 
-from cmath import phase
+from cmath import exp, phase
 from math import degrees, frexp, inf
 
+from zoh.analysis.axis import terms
 from zoh.analysis.loop import Loop
+from zoh.analysis.sharp import EXACT, ROUNDED, as_v, closed_in, is_nothing
 from zoh.analysis.squares import Squares
 from zoh.lti import poly
 
 _TOUCHES = 4e-15  # |L| this near to 1 at an end of what a hold made is 1: a few roundings, and
 _BLUR = 1e-6  # the crossing they make up this near to it (|L| is flat there) is none
+_SHARP = 1e-3  # of its terms: num conj den below that is beside a root of num or den, and lacks
+# the digits in floats, as does its place
 _AT_A_ROOT = 1e-13  # of its terms: what num conj den is, in floats, at a root of num or den
 _SMALL, _LARGE = 1e-100, 1e100  # sizes whose squares a float holds, with room for a ratio
 
@@ -30,12 +34,15 @@ def margin_deg(gain: complex) -> float:
 
 
 def gain_crossings(
-    loop: Loop, squares: Squares, unities: list[float], by_phase: Crossings
+    loop: Loop, squares: Squares, unities: list[float], by_phase: Crossings, beside: list[float]
 ) -> Crossings:
-    """Return (frequency, phase margin in deg) wherever |L| passes through 1."""
+    """Return (frequency, phase margin in deg) wherever |L| passes through 1.
+
+    v of those beside a root of num or den is added to ``beside``.
+    """
     if not any(squares.gain):  # |L| is 1 everywhere: what counts is where L is -1
         return [(w, 0.0) for w, _ in by_phase]
-    crossings = [(loop.frequency(v), margin_deg(_direction(*loop.point(v)))) for v in unities]
+    crossings = [_at_unity(loop, squares, v, beside) for v in unities]
     for v, top, bottom in loop.ends():
         if not bottom or abs(abs(top / bottom) - 1) > _TOUCHES:
             continue
@@ -50,20 +57,52 @@ def gain_crossings(
 
 
 def phase_crossings(
-    loop: Loop, squares: Squares, unities: list[float], turns: list[float]
+    loop: Loop, squares: Squares, unities: list[float], turns: list[float], beside: list[float]
 ) -> Crossings:
-    """Return (frequency, factor on L that closes onto -1) wherever L is negative real."""
+    """Return (frequency, factor on L that closes onto -1) wherever L is negative real.
+
+    v of those beside a root of num or den is added to ``beside``.
+    """
     if not loop.dead_time and not any(squares.turn):
-        return _always_real(loop, squares, unities)
-    crossings = []
-    for v in turns:
-        (top, of_top), (bottom, of_bottom) = map(_within_floats, loop.point(v))
-        product = (top * bottom.conjugate()).real
-        if product < 0 and product < -_AT_A_ROOT * _bulk(loop, v, of_top, of_bottom):
-            factor = -_square(bottom) / product * (of_top / of_bottom)
-            crossings.append((loop.frequency(v), factor))
+        return _always_real(loop, squares, unities, beside)
+    crossings = [found for v in turns if (found := _at_turn(loop, squares, v, beside))]
     every = crossings + _at_the_ends(loop)
     return sorted((w, factor) for w, factor in every if 0 < factor < inf)  # what a float holds
+
+
+def _at_unity(loop: Loop, squares: Squares, v: float, beside: list[float]) -> tuple[float, float]:
+    """Return (frequency, phase margin in deg) where |L| = 1."""
+    (top, of_top), (bottom, of_bottom) = map(_within_floats, loop.point(v))
+    product = top * bottom.conjugate()
+    if abs(product) > _SHARP * _bulk(loop, v, of_top, of_bottom):
+        return loop.frequency(v), margin_deg(product)
+    beside.append(v)
+    q = closed_in(squares.gain, v)
+    v, product = as_v(q), squares.direction(q)
+    if not squares.whole:
+        product *= exp(-1j * loop.psi(v))
+    return loop.frequency(v), margin_deg(product)
+
+
+def _at_turn(
+    loop: Loop, squares: Squares, v: float, beside: list[float]
+) -> tuple[float, float] | None:
+    """Return (frequency, factor onto -1) where L is real, None where it is not below 0."""
+    (top, of_top), (bottom, of_bottom) = map(_within_floats, loop.point(v))
+    product = (top * bottom.conjugate()).real
+    bulk = _bulk(loop, v, of_top, of_bottom)
+    near = not abs(product) > _SHARP * bulk
+    if near:
+        beside.append(v)
+    if near and squares.whole:
+        q = closed_in(squares.turn, v)
+        bits = EXACT if loop.given else ROUNDED
+        if is_nothing(squares.top, q, bits) or is_nothing(squares.bottom, q, bits):
+            return None  # L is 0 or infinite there
+        return loop.frequency(as_v(q)), squares.factor(q)
+    if not (product < 0 and product < -_AT_A_ROOT * bulk):
+        return None
+    return loop.frequency(v), -_square(bottom) / product * (of_top / of_bottom)
 
 
 def _at_the_ends(loop: Loop) -> Crossings:
@@ -73,14 +112,16 @@ def _at_the_ends(loop: Loop) -> Crossings:
     ]
 
 
-def _always_real(loop: Loop, squares: Squares, unities: list[float]) -> Crossings:
+def _always_real(
+    loop: Loop, squares: Squares, unities: list[float], beside: list[float]
+) -> Crossings:
     """Return the phase crossings of a loop that is real at every frequency.
 
     Any gain inside its range then makes it marginal somewhere: where |L| is 1 the factor is 1.
     """
     found = [
         (w, 1.0)
-        for w, pm in gain_crossings(loop, squares, unities, [])
+        for w, pm in gain_crossings(loop, squares, unities, [], beside)
         if abs(pm) < 1e-9  # deg: at -1, not at +1
     ]
     return sorted({*found, *_at_the_ends(loop)})
@@ -96,16 +137,9 @@ def _scale(loop: Loop) -> float:
     return loop.frequency(min(sizes))
 
 
-def _direction(top: complex, bottom: complex) -> complex:
-    """Return a number that points as top/bottom does, and is within a float's range."""
-    (top, _), (bottom, _) = _within_floats(top), _within_floats(bottom)
-    return top * bottom.conjugate()
-
-
 def _bulk(loop: Loop, v: float, of_top: float, of_bottom: float) -> float:
     """Return what |num den| would be at v if nothing cancelled, each times its unit."""
-    top = poly.at([abs(c) for c in loop.num], v) * of_top
-    return float(top * (poly.at([abs(c) for c in loop.den], v) * of_bottom))
+    return terms(loop.num, v) * of_top * (terms(loop.den, v) * of_bottom)
 
 
 def _within_floats(x: complex) -> tuple[complex, float]:

@@ -16,10 +16,12 @@ from math import inf, isnan, log, radians, tau
 
 import numpy as np
 
+from zoh.analysis.blurred import blurs
 from zoh.analysis.certificates import Proof
 from zoh.analysis.close import Close
 from zoh.analysis.loop import Loop, out_of_range
 from zoh.analysis.margin_crossings import Crossings, gain_crossings, phase_crossings
+from zoh.analysis.needles import deeper, deepest, ratio_at_end
 from zoh.analysis.proof import Found, Look, Peak, proved
 from zoh.analysis.results import Margins
 from zoh.analysis.rounding import doubts
@@ -31,6 +33,7 @@ from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
 from zoh.lti.systems import Plant, Sampled
 
 _ON_IT_DEG = 1e-12  # a margin this small is 0: a few roundings of the angle
+_NEEDLE = 1e-4  # |1 + L| below which its least value needs more digits than floats have
 _CHEAP = 2.5  # samples of delay up to which a proof costs less than a look from close by
 
 
@@ -70,7 +73,7 @@ def measure_loop(loop: Loop) -> Margins:
     numbers = [found.gain_margin, found.phase_margin_deg, found.modulus_margin, found.mt]
     if any(map(isnan, [*numbers, found.disk_margin])):
         raise out_of_range([*loop.num, *loop.den])
-    told = (*_unproved(found), *doubts(loop, found))
+    told = (*_unproved(found), *doubts(loop, found), *found.warnings)
     return replace(found, warnings=told) if told else found
 
 
@@ -100,8 +103,8 @@ def nearest_crossing(loop: Loop) -> tuple[float | None, float]:
             look = Close.of(loop, squares)
             unities = look.unities()
             turns = [] if any(squares.gain) else look.turns()
-            by_phase = phase_crossings(loop, squares, unities, turns)
-            return _nearest(gain_crossings(loop, squares, unities, by_phase))
+            by_phase = phase_crossings(loop, squares, unities, turns, [])
+            return _nearest(gain_crossings(loop, squares, unities, by_phase, []))
     except OverflowError:
         raise out_of_range([*loop.num, *loop.den]) from None
 
@@ -118,7 +121,10 @@ def _looked_at(loop: Loop, stable: tuple[bool | None, Proof]) -> Margins:
         look = Sparse.of(loop, squares)
         found = _measured(loop, squares, look, stable) if look else None
         if found is None or not _holds(found):
-            found = _measured(loop, squares, Close.of(loop, squares), stable)
+            closer = Close.of(loop, squares)
+            found = _measured(loop, squares, closer, stable)
+            if not _holds(found) and squares.whole:
+                found = _measured(loop, squares, closer, stable, deep=True)
         if not _holds(found) and not squares.whole and (squares := Squares.of(loop, LONG)).whole:
             found = _measured(loop, squares, Close.of(loop, squares), stable)
         return found
@@ -137,14 +143,15 @@ def _unproved(m: Margins) -> tuple[str, ...]:
 
 def _measured(
     loop: Loop, squares: Squares, look: Look, decision: tuple[bool | None, Proof],
-    *, prove: bool = True,
+    *, prove: bool = True, deep: bool = False,
 ) -> Margins:  # fmt: skip
     """Return everything that a look at the loop shows, with the proof that it is everything."""
     stable, why = decision
     unities, turns, drops = look.unities(), look.turns(), look.drops()
-    by_phase = phase_crossings(loop, squares, unities, turns)
-    by_gain = gain_crossings(loop, squares, unities, by_phase)
-    peaks = [peak(loop, squares, look, below) for below in (ON_DEN, ON_NUM, ON_OPPOSITE)]
+    beside: list[float] = []
+    by_phase = phase_crossings(loop, squares, unities, turns, beside)
+    by_gain = gain_crossings(loop, squares, unities, by_phase, beside)
+    peaks = [peak(loop, squares, look, below, deep=deep) for below in (ON_DEN, ON_NUM, ON_OPPOSITE)]
     found = Found(unities, turns, drops, peaks)
     certificate = proved(loop, squares, look, found, stable=why) if prove else None
     nearest_gain = min(by_phase, key=lambda c: abs(log(c[1])), default=(None, inf))
@@ -167,18 +174,31 @@ def _measured(
         gain_crossings=tuple(by_gain),
         phase_crossings=tuple(by_phase),
         certificate=certificate,
+        warnings=blurs(loop, by_gain, by_phase) if beside else (),
     )
 
 
-def peak(loop: Loop, squares: Squares, look: Look, below: Below) -> Peak:
-    """Return where |den + num|/|below| is least, both ends included."""
+def peak(loop: Loop, squares: Squares, look: Look, below: Below, *, deep: bool = False) -> Peak:
+    """Return where |den + num|/|below| is least, both ends included.
+
+    deep  whether that is closed in on in whole numbers; where it is all but 0 it always is
+    """
     place = look.lowest(below)
     value = squares.ratio(place, below) if squares.whole else loop.ratio(place, below)
+    if value < _NEEDLE and squares.whole:
+        place, value = deepest(squares, [place, *look.turns()], below)
+    elif deep:
+        place, value = deeper(squares, [place], below)
     for v, top, bottom in loop.ends():
         under = abs(below[0] * bottom + below[1] * top)
+        if not under:
+            continue
+        at_end = abs(bottom + top) / under
+        if at_end < _NEEDLE:  # a difference
+            at_end = ratio_at_end(loop, v, below)
         # where the least is at an end, the grid's outermost point says the same but for rounding
-        if under and abs(bottom + top) / under <= value * (1 + 1e-14):
-            place, value = v, abs(bottom + top) / under
+        if at_end <= value * (1 + 1e-14):
+            place, value = v, at_end
     return Peak(v=place, least=value, below=below)
 
 

@@ -7,7 +7,7 @@ a modulus margin just below m. All of it in whole numbers. Where a delay leaves 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import frexp, inf, ldexp
 from typing import NamedTuple
 
@@ -15,13 +15,16 @@ from zoh.analysis import discs
 from zoh.analysis.certificates import Certificate, Proof
 from zoh.analysis.close import Close
 from zoh.analysis.loop import Array, Loop
+from zoh.analysis.sharp import apart
 from zoh.analysis.sparse import Sparse
-from zoh.analysis.squares import Below, Squares
-from zoh.lti import signs
+from zoh.analysis.squares import Below, Squares, squared
+from zoh.lti import signs, whole
 from zoh.lti.whole import Whole
 
 _ROUNDING = 1e-13  # |D + N| of its terms where a loop runs through -1
 PEAK_TOL = 1e-9  # relative; what is proved of a peak is that no point is higher by more than this
+_BESIDE = 1e-7  # relative, of a crossing: there a float has the sign of Im L
+_NOT_APART = ", not each with a sign change of its own"
 _BITS = 41  # of the square of a peak: its last one is less than a thousandth of PEAK_TOL
 
 
@@ -48,15 +51,17 @@ class Found(NamedTuple):
 
 def proved(loop: Loop, squares: Squares, look: Look, found: Found, *, stable: Proof) -> Certificate:
     """Return the proofs for what was found in a look."""
-    gain = counted(squares.gain, len(found.unities))
+    gain = counted(squares.gain, found.unities)
     if isinstance(look, Sparse) or squares.whole:
         modulus, complementary, disk = (_least(squares, peak) for peak in found.peaks)
-        phases = counted(squares.turn, len(found.turns))
-        passages = counted(squares.drop, len(found.drops))
+        phases = counted(squares.turn, found.turns)
+        passages = counted(squares.drop, found.drops)
     else:
         v, level = look.v, squares.level
         modulus, complementary, disk = (_between(loop, v, peak) for peak in found.peaks)
         phases = discs.turns(loop, v[v <= look.reach], len(found.turns))
+        if not apart(loop.side, found.turns, _BESIDE):
+            phases = replace(phases, holds=False, detail=phases.detail + _NOT_APART)
         passages = discs.passages(loop, v, level, found.drops)
     return Certificate(
         stable=stable, gain_crossings=gain, phase_crossings=phases,
@@ -64,21 +69,33 @@ def proved(loop: Loop, squares: Squares, look: Look, found: Found, *, stable: Pr
     )  # fmt: skip
 
 
-def counted(a: Whole, found: int) -> Proof:
-    """Return whether a has as many positive roots of odd multiplicity as were found.
+def counted(a: Whole, found: Sequence[float]) -> Proof:
+    """Return whether the positive roots of a of odd multiplicity are those found, v = sqrt(q).
 
-    One sign change of the coefficients is one root and none is none; of more of them, the roots
-    are fewer by an even number, and are counted.
+    One sign change of the coefficients is one root and none is none; a root like that is found in
+    floats, where terms of one sign cancel those of the other there alone. Of more of them each
+    must lie in an interval of its own at whose ends a has different signs; no more roots than sign
+    changes there are, and those that are fewer are counted.
 
-    >>> counted((1, -1, -2), 1).method, counted((1, -3, 2), 2).method, counted((1, -3, 2), 1).holds
-    ('Descartes', 'Sturm', False)
+    >>> counted((1, -1, -2), [2**0.5]).method, counted((1, -5, 4), [1.0, 2.0]).method
+    ('Descartes', 'Descartes')
+    >>> counted((1, -5, 4), [1.0]).holds, counted((1, -5, 4), [1.0, 1.0]).holds
+    (False, False)
     """
     most = signs.variations(a)
-    if most == found <= 1:
-        return Proof(holds=True, method="Descartes", detail=f"{most} sign changes, {found} found")
+    if most == len(found) <= 1 or (most == len(found) and _apart(a, found)):
+        detail = f"{most} sign changes, {len(found)} found"
+        return Proof(holds=True, method="Descartes", detail=detail)
     number = signs.crossings(a)
-    detail = f"{number} sign changes on the axis, {found} found"
-    return Proof(holds=number == found, method="Sturm", detail=detail)
+    detail = f"{number} sign changes on the axis, {len(found)} found"
+    holds = number == len(found)
+    if holds and not _apart(a, found):
+        holds, detail = False, detail + _NOT_APART
+    return Proof(holds=holds, method="Sturm", detail=detail)
+
+
+def _apart(a: Whole, found: Sequence[float]) -> bool:
+    return apart(lambda v: whole.at_fraction(a, *squared(v)), found)
 
 
 def _least(squares: Squares, peak: Peak) -> Proof:

@@ -9,11 +9,14 @@ can miss something: whether it has, ``proof`` says.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
+from itertools import pairwise
 from math import ceil, floor, inf, isfinite, sqrt
 
 import numpy as np
 
 from zoh.analysis.loop import Array, Loop
+from zoh.analysis.newton import parabola, part, root, stationary
+from zoh.analysis.sharp import sharpened
 from zoh.analysis.squares import ON_DEN, ON_NUM, Below, Squares, corners
 from zoh.lti import whole
 from zoh.lti.whole import Whole
@@ -22,9 +25,8 @@ _BEYOND = 7  # octaves in q that are looked at beyond the first and the last cor
 _PER_OCTAVE = 2
 _NEAR = 1e-7  # relative distance of the two points of a last secant: half a float's digits
 _AGREE = 1e-11  # relative; the loop and its polynomial tell of one root to a float's digits
+_LOST = 1e-9  # of the values beside it: one so small has no sign in floats, a root is there
 _STEPS = 3  # of the secant, each with 7 digits more
-_LAST_STEP = 1e-10  # relative; Newton's next step would be its square, below a float's digits
-_LAST_FLAT_STEP = 1e-6  # the same for a least value, which is flat and needs half the digits
 _CLOSED, _GAIN, _TURN, _DROP = range(3, 7)  # the first three are those of ``lowest``
 _NOTHING = 1e-300  # instead of 0, or of less by rounding
 
@@ -91,7 +93,9 @@ class Sparse:
 
     def turns(self) -> list[float]:
         """Return every v seen at which L is real, ascending."""
-        return self._roots(_TURN)
+        found, turn = self._roots(_TURN), self.squares.turn
+        # a root alone is where terms of one sign cancel those of the other: that has its digits
+        return found if len(found) < 2 else [sharpened(turn, v) for v in found]
 
     def drops(self) -> list[float]:
         """Return every v seen at which |T| passes ``level``, ascending."""
@@ -105,20 +109,23 @@ class Sparse:
         i = self.lowest_at[which]
         place = float(self.octaves[i])
         if 0 < i < len(self.octaves) - 1:
-            start = place + _parabola(*self.ratios[which, i - 1 : i + 2].tolist()) / _PER_OCTAVE
+            start = place + parabola(*self.ratios[which, i - 1 : i + 2].tolist()) / _PER_OCTAVE
             ends = 2.0 ** (place - 1 / _PER_OCTAVE), 2.0 ** (place + 1 / _PER_OCTAVE)
-            q = _stationary(self.polynomials[_CLOSED], self.polynomials[which], 2.0**start, *ends)
+            q = stationary(self.polynomials[_CLOSED], self.polynomials[which], 2.0**start, *ends)
         else:
             q = 2.0**place
         return sqrt(q) * sqrt(self.unit)
 
     def _roots(self, row: int) -> list[float]:
-        polynomial, found = self.polynomials[row], []
+        polynomial, brackets = self.polynomials[row], []
         for i in [place for kind, place in self.flips if kind == row - _GAIN]:
             low, high = self.octaves[i : i + 2].tolist()
-            q = _root(polynomial, 2.0**low, 2.0**high, *self.values[row, i : i + 2].tolist())
-            found.append(sqrt(q) * sqrt(self.unit))
-        return found
+            at_low, at_high = self.values[row, i : i + 2].tolist()
+            brackets.append([2.0**low, 2.0**high, at_low, at_high])
+        for left, right in pairwise(brackets):
+            if left[1] == right[0] and abs(left[3]) < _LOST * max(abs(left[2]), abs(right[3])):
+                part(polynomial, left, right)
+        return [sqrt(root(polynomial, *ends)) * sqrt(self.unit) for ends in brackets]
 
 
 @lru_cache(maxsize=256)
@@ -136,76 +143,6 @@ def _grid(wide: int, length: int) -> tuple[Array, Array]:
     powers = np.exp2(np.arange(length - 1, -1, -1)[:, None] * octaves)
     octaves.flags.writeable = powers.flags.writeable = False
     return octaves, powers
-
-
-def _root(a: Sequence[float], low: float, high: float, at_low: float, at_high: float) -> float:
-    """Return the root of a polynomial between two points at which its signs differ.
-
-    Newton's method from the secant's point on, halving where it leaves the bracket.
-
-    >>> _root([1.0, 0.0, -2.0], 1.0, 2.0, -1.0, 2.0)
-    1.41421356237309...
-    """
-    rising, last = at_high > at_low, inf
-    x = low - at_low * (high - low) / (at_high - at_low)
-    for _ in range(100):
-        value, slope = a[0], 0.0
-        for c in a[1:]:
-            slope = slope * x + value
-            value = value * x + c
-        if (value > 0) == rising:
-            high = x
-        else:
-            low = x
-        step = value / slope if slope else inf
-        if (
-            abs(step) <= _LAST_STEP * x or abs(last) <= abs(step) < 1e-9 * x
-        ):  # rounding is all there is
-            return x - step
-        if not low < x - step < high:
-            step = x - (low + high) / 2
-        x, last = x - step, step
-    return x
-
-
-def _stationary(p: Sequence[float], q: Sequence[float], x: float, low: float, high: float) -> float:
-    """Return where p'q - pq' changes from below to above 0, near x in [low, high].
-
-    p and q have one length.
-
-    >>> _stationary([1.0, 0.0, 1.0], [0.0, 1.0, 0.0], 1.1, 0.5, 2.0)  # x + 1/x
-    1.0
-    """
-    last, rest = inf, list(zip(p[1:], q[1:], strict=True))
-    for _ in range(100):
-        p0, q0 = p[0], q[0]
-        p1 = q1 = p2 = q2 = 0.0  # p2 and q2 are half the second derivatives
-        for c, d in rest:
-            p2, q2 = p2 * x + p1, q2 * x + q1
-            p1, q1 = p1 * x + p0, q1 * x + q0
-            p0, q0 = p0 * x + c, q0 * x + d
-        value, slope = p1 * q0 - p0 * q1, 2 * p2 * q0 - p0 * (2 * q2)
-        if value > 0:
-            high = x
-        else:
-            low = x
-        step = value / slope if slope > 0 else inf
-        if abs(step) <= _LAST_FLAT_STEP * x or abs(last) <= abs(step) < 1e-6 * x:
-            return x - step
-        if not low < x - step < high:
-            step = x - (low + high) / 2
-        x, last = x - step, step
-    return x
-
-
-def _parabola(left: float, middle: float, right: float) -> float:
-    """Return where the parabola through three equidistant values is least, in their distances.
-
-    >>> _parabola(4.0, 1.0, 0.0)
-    1.0
-    """
-    bend = left - 2 * middle + right
-    return (left - right) / (2 * bend) if 0 < bend < inf else 0.0
 
 
 def _polished(f: Callable[[float], float], v: float, squares: Squares, a: Whole) -> float:

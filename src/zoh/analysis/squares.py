@@ -91,19 +91,44 @@ class Squares:
 
     def ratio(self, v: float, which: Below) -> float:
         """Return |D + N| over |D|, |N| or |D - N| at v, of the exact values there."""
-        q = _squared(v)
+        return self.ratio_at(squared(v), which)
+
+    def ratio_at(self, q: tuple[int, int], which: Below) -> float:
+        """Return the same where v^2 is a fraction whose bottom is a power of two."""
         above, under = whole.at_fraction(self.closed, *q), whole.at_fraction(self.below(which), *q)
         return whole.root_of_ratio(above, under) if under else inf
 
+    @property
+    def cross(self) -> Whole:
+        """Return 2 Re(N conj D)."""
+        return whole.plus(whole.plus(self.closed, self.bottom, -1), self.top, -1)
+
+    def factor(self, q: tuple[int, int]) -> float:
+        """Return -1/L of the exact values where v^2 is a fraction and L is real; inf over 0."""
+        under = whole.at_fraction(self.cross, *q)
+        return -2 * whole.at_fraction(self.bottom, *q) / under if under else inf
+
+    def direction(self, q: tuple[int, int]) -> complex:
+        """Return a number that points as N conj D does, of the exact values there."""
+        re = whole.at_fraction(self.cross, *q)
+        im = 2 * whole.at_fraction(self.turn, *q) * q[1]
+        down = max(re.bit_length(), im.bit_length())
+        unit = 1 << down
+        return complex(re / unit, im / unit * whole.root_of_ratio(*q))
+
     def over_bottom(self, a: Whole, v: float, octaves: int = 0) -> float:
         """Return a/(|D|^2 2^octaves) at v, of the exact values: |L|^2 - 1 where a is ``gain``."""
-        q = _squared(v)
+        q = squared(v)
         under = whole.at_fraction(self.bottom, *q) << octaves
         return whole.at_fraction(a, *q) / under if under else inf
 
 
-def _squared(v: float) -> tuple[int, int]:
-    """Return v^2 as a fraction, of the float where that has all its digits."""
+def squared(v: float) -> tuple[int, int]:
+    """Return v^2 as a fraction, of the float where that has all its digits.
+
+    >>> squared(1.5)
+    (9, 4)
+    """
     if 1e-290 < (q := v * v) < inf:
         return q.as_integer_ratio()
     top, bottom = v.as_integer_ratio()

@@ -1,0 +1,86 @@
+"""Where the rounding of a made loop's coefficients moves a margin, and that it is said."""
+
+from math import degrees
+
+import pytest
+
+from zoh.analysis.blurred import _off, blurs
+from zoh.analysis.loop import Loop
+from zoh.analysis.margins import margins, measure_loop
+from zoh.errors import AccuracyWarning
+from zoh.lti.systems import Plant, Sampled
+from zoh.sampling.hold import sample
+
+
+def said_of(loop):
+    """Return what is said, asked straight and not only where a crossing is seen to need it."""
+    found = measure_loop(loop)
+    return blurs(loop, [*found.gain_crossings], [*found.phase_crossings])
+
+
+HALF_DIGITS = 2.0**-52
+
+
+def mode(damping, k, dt=0.5):
+    """Return k/(w^2 + damping w + 1) in w."""
+    return Loop.of(Sampled.from_w(num_w=[k], den_w=[1, damping, 1], dt=dt))
+
+
+@pytest.mark.parametrize("loud", [2.0, 10.0])
+@pytest.mark.parametrize("damping", [1e-9, 1e-10])
+def test_beside_a_mode_by_hand(loud, damping):
+    """k/(1 - q + j a v), k = loud a: |L| = 1 where |1 - q| = a sqrt(loud^2 - 1), all but.
+
+    den is k there, of terms 2: rho is 2 units/k, and one unit of num. With x = 1 - q the phase
+    is -arctan(a/x) and ln|L| is -ln(x^2 + a^2)/2: slopes of a/(x^2 + a^2) and x/(x^2 + a^2).
+    """
+    loop = mode(damping, loud * damping)
+    found = measure_loop(loop)
+    part = HALF_DIGITS * (1 + 2 / (loud * damping))
+    expected = part * (1 + 1 / (loud**2 - 1) ** 0.5)
+    # 1e-3: q is taken as 1 in what is not a difference
+    assert _off(loop, found.crossover, turning=True) == pytest.approx(expected, rel=1e-3)
+    said = said_of(loop)
+    assert said == (
+        f"by the rounding of coefficients in w the phase margin at {found.crossover:.6g} rad/s "
+        f"may be off by {degrees(expected):.1g} deg: "
+        "a zero or a pole next to the axis is beside it",
+    )
+    assert said[0] in found.warnings
+
+
+def test_a_margin_that_is_not_the_smallest_is_named():
+    """5/(w + 1) with a zero beside an undamped pole: real near both, the pole's the less sure."""
+    a = 1e-10
+    loop = Loop.of(
+        Sampled.from_w(num_w=[5.0], den_w=[1, 1], dt=0.5),
+        Sampled.from_w(num_w=[1, a, 1.001], den_w=[1, a, 1], dt=0.5),
+    )
+    found = measure_loop(loop)
+    (pole, _), (zero, _) = found.phase_crossings  # beside the pole L is 2.5e5, beside the zero 5e-5
+    assert zero == found.phase_crossover != pole
+    (said,) = said_of(loop)
+    assert f"in w the gain margin at {pole:.6g} rad/s may be off by " in said
+
+
+def test_what_is_damped_and_what_is_meant_are_not_doubted():
+    for damping in (0.01, 1.0):
+        assert said_of(mode(damping, 2 * damping)) == ()
+    meant = Loop.of(Plant(num=[2e-7], den=[1, 1e-7, 1]))
+    assert measure_loop(meant).warnings == ()
+    z = Sampled(num=[0.1], den=[1, -0.9], dt=1.0)  # leaves at z = -1: the end of the axis
+    assert said_of(Loop.of(z)) == ()
+    made = Loop.of(sample(Plant(num=[1], den=[1, 1]), 0.1))
+    assert said_of(made) == ()
+    assert _off(made, 31.41592653589793, turning=False) == 0.0
+
+
+def test_a_gain_margin_beside_an_undamped_zero_is_doubted():
+    """(w^2 + 1)/(w^2 + w + 1) on an integrator that is late by dt/2: real beside 1."""
+    notch = Sampled.from_w(num_w=[1, 0, 1], den_w=[1, 1, 1], dt=1e-6)
+    loop = notch * sample(Plant(num=[1], den=[1, 0]), 1e-6)
+    with pytest.warns(
+        AccuracyWarning, match=r"in w the gain margin at 1 rad/s may be off by .* %: a zero"
+    ):
+        found = margins(loop)
+    assert found.phase_crossover == pytest.approx(1 - 2.5e-7, rel=1e-12)
