@@ -132,6 +132,19 @@ def test_loops_are_written_to_the_file_that_is_named(good, run, tmp_path):
     assert swept(run, good, *asked, "--out", str(tmp_path / "a.zarr"))[0] == 0  # it is all there
 
 
+def test_a_file_that_cannot_be_written_is_refused_before_the_work(run, good, tmp_path, monkeypatch):
+    monkeypatch.setattr("zoh.app.sweep.sweep_of", lambda *_, **__: pytest.fail("worked"))
+    (tmp_path / "old.nc").write_text("")
+    for name, sentence in (
+        ("old.nc", "must not be there already"),
+        ("no/a.nc", "in a folder that"),
+    ):
+        out = str(tmp_path / name)
+        code, _, err = swept(run, good, "--over", "wc=1:2:3", "--out", out)
+        assert code == 2
+        assert sentence in err
+
+
 def test_figures_are_drawn_in_the_folder_that_is_named(good, run, tmp_path):
     pytest.importorskip("matplotlib")
     folder = tmp_path / "figures"

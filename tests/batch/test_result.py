@@ -201,3 +201,36 @@ def test_a_bound_on_the_bandwidth_is_that_of_the_single_design():
     assert held["bandwidth"][0] == pytest.approx(one, rel=1e-12)
     assert held.yield_(zoh.Requirements(bandwidth=one * (1 + 1e-6))) == 0.5
     assert held.yield_(zoh.Requirements(bandwidth=one)) == 1.0
+
+
+def test_some_of_the_loops_by_number_or_by_mask(swept):
+    good = swept["ms"] < 1.4
+    assert 0 < good.sum() < len(swept)
+    by_mask = swept.take(good)
+    assert by_mask["wc"].tolist() == swept["wc"][good].tolist()
+    assert swept.take(np.flatnonzero(good))["ms"].tolist() == by_mask["ms"].tolist()
+    assert swept.take([-1, 0])["wc"].tolist() == [swept["wc"][-1], swept["wc"][0]]
+    for wrong in ([], 0, [0.5, 1.5], [18], [-19], [True, False], [[0, 1]]):
+        with pytest.raises(zoh.SpecError, match="loops must be numbers of some of the 18 loops"):
+            swept.take(wrong)
+
+
+def test_no_front_where_no_loop_is_good():
+    none = zoh.sweep(ARM, "pi", {"pm_deg": 40}, dt=0.1, over={"wc": [5.0, 6.0]})
+    with pytest.raises(zoh.SpecError, match="names must be figures of a loop that keeps"):
+        none.pareto("ms")
+
+
+@pytest.mark.parametrize("wrong", [{"ms": 1.5}, 3, "ms < 2"])
+def test_requirements_that_are_none(swept, wrong):
+    with pytest.raises(zoh.SpecError, match="requirements must be zoh"):
+        swept.yield_(wrong)
+    with pytest.raises(zoh.SpecError, match="requirements must be zoh"):
+        zoh.sweep(ARM, "pi", {"pm_deg": 40}, dt=0.1, over={"wc": [0.5]}, requirements=wrong)
+
+
+@pytest.mark.parametrize("wrong", [2.5, 0, "a"])
+def test_a_block_is_a_whole_number_of_loops(wrong):
+    job = zoh.Job(plant=ARM, law="pi", asked={"pm_deg": 40}, dt=0.1, varying=("wc",))
+    with pytest.raises(zoh.SpecError, match="block must be"):
+        zoh.sweep_summary(job, {"wc": [0.5]}, block=wrong)

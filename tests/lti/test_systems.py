@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from mpmath import mp
 
 from zoh.errors import SpecError
+from zoh.lti import whole
 from zoh.lti.given import MAX_ORDER
 from zoh.lti.systems import Plant, Sampled
 
@@ -277,3 +278,15 @@ def test_a_hidden_mode_stays_in_the_plant():
     plant = Plant.ss([[-1, 0], [0, 1]], [1, 0], [1, 1])  # the unstable mode is never excited
     assert len(plant.den) == 3
     assert max(plant.poles().real) == pytest.approx(1.0, rel=1e-12)
+
+
+def test_a_product_is_that_of_the_whole_numbers():
+    one = Sampled.from_w(num_w=[0.1, 0.3], den_w=[1.0, 0.7], dt=0.1)
+    other = Sampled.from_w(num_w=[0.7, 0.9], den_w=[1.0, 0.1, 0.2], dt=0.1, delay=2)
+    num, den, unit = (one * other).whole_w
+    (a, b, u), (c, d, v) = one.whole_w, other.whole_w
+    assert (num, den, unit) == (whole.times(a, c), whole.times(b, d), u * v)
+    assert (one * other).num_w == tuple(x / unit for x in num)
+    assert (one * other).delay == 2
+    # the product of the floats in z, to a rounding of each
+    assert (one * other).den == pytest.approx(np.polymul(one.den, other.den), rel=1e-14, abs=1e-15)

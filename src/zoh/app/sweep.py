@@ -15,7 +15,7 @@ from zoh.batch.reason import Reason
 from zoh.batch.result import Sweep
 from zoh.batch.sources import nominal_plant
 from zoh.batch.space import Random, Space
-from zoh.batch.stream import sweep_to
+from zoh.batch.stream import refuse_netcdf, sweep_to
 from zoh.batch.summary import Summary
 from zoh.batch.sweep import sweep_of, sweep_summary
 from zoh.batch.workers import Progress
@@ -107,6 +107,8 @@ def _swept(
         "client": options.client, "progress": progress,
     }  # fmt: skip
     held = None
+    if options.out is not None and options.out.endswith(NETCDF):
+        refuse_netcdf(options.out)  # not after the work
     if options.held or (options.out or "").endswith(NETCDF):
         held = sweep_of(job, space, **more)
         if options.out is not None:

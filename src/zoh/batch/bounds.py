@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from zoh.analysis.asked import Compared
+from zoh.analysis.asked import Compared, checked
 from zoh.batch.columns import Results
 from zoh.batch.reason import Reason
 from zoh.errors import SpecError
@@ -51,7 +51,7 @@ RULES: Mapping[str, _Rule] = {
 
 def asked(requirements: Requirements) -> dict[str, float]:
     """Return the bounds that are given; raise SpecError for one that a batch does not measure."""
-    given = {name: getattr(requirements, name) for name in requirements.__slots__}
+    given = {name: getattr(checked(requirements), name) for name in Requirements.__slots__}
     bounds = {name: float(bound) for name, bound in given.items() if bound is not None}
     for name, bound in bounds.items():
         if name not in RULES:

@@ -98,6 +98,7 @@ class Sweep:
         """Return the loops of which none is better in one of these figures and no worse in another.
 
         Among those that keep every requirement; of equal ones the first. Sorted by the first name.
+        Raises SpecError where no loop has these figures and keeps the requirements.
         """
         if not names or not all(name in BY_NAME and BY_NAME[name].better for name in names):
             known = ", ".join(f.name for f in FIGURES if f.better)
@@ -105,14 +106,26 @@ class Sweep:
         good = np.flatnonzero(bounds.met(self.requirements, self.results))
         costs = np.column_stack([-BY_NAME[n].better * self._figure(n)[good] for n in names])
         known_all = ~np.isnan(costs).any(axis=1)
+        if not known_all.any():
+            bound = "must be figures of a loop that keeps every requirement"
+            raise SpecError("names", bound, names, "see the reasons of the loops")
         return self.take(good[known_all][_undominated(costs[known_all])])
 
     def take(self, loops: npt.ArrayLike) -> "Sweep":
-        """Return some of the loops, by their numbers, in this order."""
-        i = np.asarray(loops, np.intp)
+        """Return some of the loops, by their numbers, in this order, or by a mask of all.
+
+        Raises SpecError for no loop, or one that is not there.
+        """
+        i = np.asarray(loops)
+        if i.dtype == bool and i.shape == (len(self),):
+            (i,) = np.nonzero(i)
+        whole = i.ndim == 1 and len(i) and np.issubdtype(i.dtype, np.integer)
+        if not (whole and -len(self) <= i.min() and i.max() < len(self)):
+            bound = f"must be numbers of some of the {len(self)} loops, or a mask of all"
+            raise SpecError("loops", bound, loops, "numbers begin at 0")
         columns = {key: column[i] for key, column in self.columns.items()}
         return Sweep(
-            job=self.job, space=Rows(values=columns) if len(i) else self.space, columns=columns,
+            job=self.job, space=Rows(values=columns), columns=columns,
             results={name: column[i] for name, column in self.results.items()},
             requirements=self.requirements, computed_by=self.computed_by,
         )  # fmt: skip

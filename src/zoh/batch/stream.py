@@ -77,11 +77,19 @@ def open_sweep(path: str) -> "Dataset":
 
 def write_netcdf(found: "Dataset", path: str) -> None:
     """Write a dataset to a new netCDF 4 file, whole or not at all."""
-    needed("h5netcdf", "a netCDF file")
-    _refuse_what_is_there(path)
+    refuse_netcdf(path)
     part = f"{path}.{os.getpid()}.part"
     found.to_netcdf(part, engine="h5netcdf")
     os.replace(part, path)
+
+
+def refuse_netcdf(path: str) -> None:
+    """Raise SpecError where no new netCDF file can be written: to be asked before the work."""
+    needed("h5netcdf", "a netCDF file")
+    _refuse_what_is_there(path)
+    folder = Path(path).absolute().parent
+    if not folder.is_dir():
+        raise SpecError("path", "must be in a folder that is there", path, f"make {folder}")
 
 
 def write_zarr(found: "Dataset", path: str) -> None:

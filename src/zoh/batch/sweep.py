@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from zoh import checks
 from zoh.batch import backend, bounds
 from zoh.batch.blocks import Plan, Task
 from zoh.batch.job import Job
@@ -122,9 +123,7 @@ def plan_of(job: Job, over: Over, arithmetic: str | None, block: int | None) -> 
     if space.keys != job.varying:
         raise SpecError("over", f"must have the keys {list(job.varying)}", space.keys, "in order")
     way = backend.choose(job, space.size, arithmetic).way
-    size = way.block if block is None else block
-    if size < 1:
-        raise SpecError("block", "must be 1 loop or more", block, "65536 is usual")
+    size = way.block if block is None else checks.whole("block", block, 1, "65536 is usual")
     return Plan(job=job, space=space, arithmetic=way.name, block=size)
 
 

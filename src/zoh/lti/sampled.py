@@ -75,7 +75,7 @@ class Sampled:
         """Return (num, den, unit): the w-form times unit in whole numbers, exactly; kept.
 
         Of given z-coefficients it is what these say, of others what the floats of num_w and
-        den_w say; a plant's hidden modes are in both, exactly.
+        den_w say; a plant's hidden modes are in both, exactly, and a product is that of these.
         """
         if self._whole is None:
             (num, den), unit = of(self.num_w, self.den_w)
@@ -140,6 +140,14 @@ class Sampled:
         n = max(len(num_w), len(den_w))
         num_w, den_w = poly.padded(num_w, n), poly.padded(den_w, n)
         (num, den), unit = of(num_w, den_w)
+        return cls._exactly((num, den, unit), dt, delay, rounded)
+
+    @classmethod
+    def _exactly(
+        cls, exact: Wholes, dt: float, delay: int, rounded: "tuple[Sampled, ...]"
+    ) -> "Sampled":
+        """Return the system whose w-form this is; num and den of one length."""
+        num, den, unit = exact
         (top, _), (bottom, _) = w_to_z(num, dt), w_to_z(den, dt)  # both times one factor
         for name, part in (("num_w", top), ("den_w", bottom)):
             if not any(part):
@@ -149,11 +157,11 @@ class Sampled:
             num=_floats(top, lead),
             den=_floats(bottom, lead) + (0.0,) * delay,
             dt=dt,
-            num_w=num_w,
-            den_w=den_w,
+            num_w=_floats(num, unit),
+            den_w=_floats(den, unit),
             delay=delay,
             rounded=rounded,
-            exact=(num, den, unit),
+            exact=exact,
         )
 
     @overload
@@ -189,7 +197,7 @@ class Sampled:
         return value if cmath.isfinite(value) else complex(math.inf, 0.0)
 
     def __mul__(self, other: "Sampled") -> "Sampled":
-        """Return the two in series; both must have the same dt."""
+        """Return the two in series, of ``whole_w`` nothing rounded; both must have the same dt."""
         if not isinstance(other, Sampled):
             return NotImplemented
         if self.dt != other.dt:
@@ -199,12 +207,10 @@ class Sampled:
                 other.dt,
                 "sample both with one clock",
             )
-        return Sampled.from_w(
-            num_w=poly.times(self.num_w, other.num_w),
-            den_w=poly.times(self.den_w, other.den_w),
-            dt=self.dt,
-            delay=self.delay + other.delay,
-            rounded=self.rounded + other.rounded,
+        mine, its = self.whole_w, other.whole_w
+        exact = times(mine[0], its[0]), times(mine[1], its[1]), mine[2] * its[2]
+        return Sampled._exactly(
+            exact, self.dt, self.delay + other.delay, self.rounded + other.rounded
         )
 
     def corners(self) -> npt.NDArray[np.float64]:
