@@ -479,3 +479,14 @@ def test_bandwidth_and_the_disk_margins_place_are_the_models():
     assert table.disk_margin == pytest.approx(model.disk_margin, rel=1e-6)
     assert table.certificate is None
     assert table.to_dict()["certificate"] is None
+
+
+def test_a_bandwidth_below_the_table_is_not_that_of_a_resonance_above_it():
+    # 0.2/s beside a resonance at 5 rad/s: |T| falls by 3 dB at 0.2 rad/s, below the table, and
+    # rises over that again on its way to the resonance
+    w = np.geomspace(0.5, 30, 600)
+    s = 1j * w
+    h = 0.2 / s * 25 / (s**2 + 0.3 * s + 25)
+    assert abs(h[0] / (1 + h[0])) < 0.5 < max(abs(h / (1 + h)))
+    late = zoh.margins(FrequencyResponse.from_complex(w=w, gain=h))
+    assert late.bandwidth is None

@@ -22,7 +22,8 @@ CODE = b"code\n\0and more"
 
 
 def whole(name, code):
-    return b"\n".join([name, sha256(code).hexdigest().encode(), code])
+    rest = name + b"\n" + code
+    return sha256(rest).hexdigest().encode() + b"\n" + rest
 
 
 @pytest.fixture
@@ -44,9 +45,9 @@ def begun(monkeypatch, tmp_path):
     monkeypatch.setattr(first_use, "_files", lambda: files)
     monkeypatch.setattr(first_use.subprocess, "run", run)
     monkeypatch.setattr(machine, "loaded", lambda name, code: (name, code))
-    first_use.kernel.cache_clear()
+    first_use._kernel.cache_clear()
     yield commands, files, does
-    first_use.kernel.cache_clear()
+    first_use._kernel.cache_clear()
 
 
 def test_another_process_compiles_once(begun, capsys):
@@ -71,7 +72,15 @@ def test_what_is_kept_is_not_compiled_again(begun, capsys, place):
     assert not capsys.readouterr().err
 
 
-@pytest.mark.parametrize("damage", [lambda a: b"", lambda a: a[:-1], lambda a: a[:-1] + b"?"])
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda a: b"",
+        lambda a: a[:-1],
+        lambda a: a[:-1] + b"?",
+        lambda a: a.replace(b"\na\n", b"\nb\n"),
+    ],
+)
 def test_what_is_damaged_is_made_again(begun, damage):
     commands, files, _ = begun
     files[0].write_bytes(damage(whole(b"a", CODE)))

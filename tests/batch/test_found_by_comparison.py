@@ -158,3 +158,22 @@ def test_a_plant_that_turns_more_than_once_in_a_sample(
         assert fast[name] == pytest.approx(single[name], rel=1e-9, nan_ok=True), name
     # 3e-6: the points beside the highest one
     assert fast["between.overshoot_pct"][0] == pytest.approx(scanned, rel=3e-6)
+
+
+def test_the_fastest_pole_is_bounded_by_hand():
+    dt = np.array([0.5, 1.0, 1.1, 1.3])
+    # a pole at -1 four times over, and the pair +-j beside -0.1: |s| dt is dt
+    four = np.repeat([[1.0], [4.0], [6.0], [4.0], [1.0]], 4, axis=1)
+    pair = np.repeat([[0.1], [1.0], [0.1], [1.0]], 4, axis=1)
+    for den in (four, pair):
+        bound = arrays._fastest(den, dt)
+        assert (bound >= dt).all()
+        assert (bound[1:] <= 1.17 * dt[1:]).all()
+
+
+def test_two_real_poles_turn_once_however_fast():
+    # s^2 + 5 s + 4, s^2 + 2 s + 1, s^2 + s + 1, s + 9, and three real poles
+    two = np.array([[4.0, 1.0, 1.0], [5.0, 2.0, 1.0], [1.0, 1.0, 1.0]])
+    assert arrays._turns_once(two).tolist() == [True, True, False]
+    assert arrays._turns_once(np.array([[9.0], [1.0]])).tolist() == [True]
+    assert arrays._turns_once(np.array([[6.0], [11.0], [6.0], [1.0]])).tolist() == [False]

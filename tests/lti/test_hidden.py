@@ -3,6 +3,7 @@
 from decimal import Decimal
 from math import sqrt
 
+import numpy as np
 import pytest
 
 import zoh
@@ -89,3 +90,11 @@ def test_nor_in_a_sweep(arithmetic):
         plant, "given", controller=controller, over={"dt": [0.01, 0.1, 0.5]}, arithmetic=arithmetic
     )
     assert {zoh.Reason(code) for code in found["reason"].tolist()} == {zoh.Reason.UNSTABLE}
+
+
+@pytest.mark.parametrize("times", [2, 3, 4])
+def test_a_repeated_mode_on_the_axis_is_there_once(times):
+    shared = np.poly([1j, -1j] * times).real  # (s^2 + 1)^times
+    plant = Plant(num=shared, den=np.polymul(shared, [1, 1]))
+    assert len(hidden_modes(plant)) == 2 * times
+    assert sorted(s.imag for s in unstable_hidden(plant)) == pytest.approx([-1.0, 1.0], rel=1e-12)

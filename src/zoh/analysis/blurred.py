@@ -1,7 +1,7 @@
 """What the rounding of coefficients in w costs where a loop has a mode with hardly any damping.
 
-A hold's coefficients are proved to 60 bits and rounded once, a product's once more. Each may be
-off by a part 2^-53 of itself, twice that here; so num(jv) is off by that part of its terms, and
+A hold's coefficients are proved to 60 bits and rounded once. Each may be off by a part 2^-53 of
+itself, twice that in a loop of two; so num(jv) is off by that part of its terms, and
 where they cancel, beside a zero or a pole next to the axis, L by a larger part rho of itself. A
 crossing moves by rho over the slope of the gain or of the phase there. First order, and an upper
 bound. Source: that of ``rounding``, which asks the same of given z-coefficients.

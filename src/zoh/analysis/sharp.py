@@ -27,7 +27,7 @@ APART = 2.0**-40  # relative; a root is within this of where it was found
 
 
 def closed_in(a: Whole, v: float) -> Point:
-    """Return the root of a near q = v^2, to 2^-130 of itself or better; v^2 where there is none.
+    """Return the root of a near q = v^2, to 2^-127 of itself or better; v^2 where there is none.
 
     Newton's method on a/a', which a root that is repeated does not slow down.
 

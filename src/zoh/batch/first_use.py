@@ -7,10 +7,12 @@ so another one compiles, tries what it made, writes the file, and ends.
 import os
 import subprocess
 import sys
+from contextlib import suppress
 from functools import cache
 from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
+from threading import Lock
 
 import numpy as np
 
@@ -21,9 +23,17 @@ from zoh.lti.systems import Plant
 _COMMAND = "from zoh.batch import first_use; first_use.{}"
 
 
-@cache
+_ONE = Lock()  # of threads that ask at once the first one compiles
+
+
 def kernel() -> machine.Kernel:
     """Return ``compiled.kernel.stretch``, compiled; say so on standard error where that is new."""
+    with _ONE:
+        return _kernel()
+
+
+@cache
+def _kernel() -> machine.Kernel:
     if found := _kept():
         return machine.loaded(*found)
     sys.stderr.write("zoh: compiling the fast arithmetic, once: some two minutes ...\n")
@@ -45,7 +55,8 @@ def compile_and_keep() -> None:
     name, code = machine_code()
     made.parent.mkdir(parents=True, exist_ok=True)
     try:
-        made.write_bytes(b"\n".join([name.encode(), _digest(code), code]))
+        rest = name.encode() + b"\n" + code
+        made.write_bytes(_digest(rest) + b"\n" + rest)
         if not _in_another_process(f"try_it({str(made)!r})"):
             raise OSError(f"{made} does not run")
         made.replace(wanted)
@@ -80,29 +91,34 @@ def _kept() -> tuple[str, bytes] | None:
 def _read(file: Path) -> tuple[str, bytes] | None:
     """Return (name, code); None where the file is not there, or not what was written."""
     try:
-        name, digest, code = file.read_bytes().split(b"\n", 2)
-    except (OSError, ValueError):
+        digest, _, rest = file.read_bytes().partition(b"\n")
+    except OSError:
         return None
-    return (name.decode(), code) if digest == _digest(code) else None
+    if digest != _digest(rest):
+        return None
+    name, _, code = rest.partition(b"\n")
+    return name.decode(), code
 
 
-def _digest(code: bytes) -> bytes:
-    return sha256(code).hexdigest().encode()
+def _digest(rest: bytes) -> bytes:
+    return sha256(rest).hexdigest().encode()
 
 
 @cache
-def _files() -> tuple[Path, Path]:
+def _files() -> tuple[Path, ...]:
     """Return where the code of these sources may be, made by this numba for this processor.
 
-    In the folder beside them where Python keeps what it compiles, and in the user's.
+    In the folder beside them where Python keeps what it compiles, and in the user's, if there is
+    one.
     """
     here = Path(__file__).with_name("compiled")
     read = [(f.name, f.read_bytes()) for f in sorted(here.glob("*.py"))]
     read.append(("tolerances", Path(__file__).with_name("tolerances.py").read_bytes()))
     of = sha256(repr((read, version("numba"), machine.processor())).encode()).hexdigest()[:16]
-    folders = here / "__pycache__", Path.home() / ".cache" / "zoh"
-    beside, own = (folder / f"kernel-{of}.o" for folder in folders)
-    return beside, own
+    folders = [here / "__pycache__"]
+    with suppress(RuntimeError):
+        folders.append(Path.home() / ".cache" / "zoh")
+    return tuple([folder / f"kernel-{of}.o" for folder in folders])
 
 
 def _may_write(folder: Path) -> bool:

@@ -14,6 +14,7 @@ from zoh.lti import digits, poly, signs, whole
 from zoh.lti.digits import Exact
 from zoh.lti.poly import ComplexArray
 from zoh.lti.systems import Plant
+from zoh.lti.whole import Whole
 
 _ON_AXIS = 1e-9  # of its size: how far from the imaginary axis rounding may put a mode on it
 
@@ -22,13 +23,18 @@ _ON_AXIS = 1e-9  # of its size: how far from the imaginary axis rounding may put
 class Apart:
     """num and den that share nothing, and ``modes``, what they shared; all exact.
 
-    stable  whether every hidden mode is strictly on the left
+    factor  the modes' polynomial in whole numbers
     """
 
     num: Exact
     den: Exact
     modes: Exact
-    stable: bool
+    factor: Whole
+
+    @property
+    def stable(self) -> bool:
+        """Return whether every hidden mode is strictly on the left."""
+        return signs.hurwitz(self.factor)
 
     @classmethod
     def of(cls, num: Exact, den: Exact) -> "Apart | None":
@@ -46,7 +52,7 @@ class Apart:
             digits.exact([Fraction(c, over) for c in a])
             for a, over in ((top, unit), (bottom, unit), (modes, part))
         )
-        return cls(num, den, shared, signs.hurwitz(modes))
+        return cls(num, den, shared, modes)
 
 
 def hidden_modes(plant: Plant) -> ComplexArray:
@@ -56,20 +62,21 @@ def hidden_modes(plant: Plant) -> ComplexArray:
     [(1+0j)]
     """
     apart = Apart.of(*plant.exact)
-    return np.zeros(0, complex) if apart is None else _roots(apart)
+    return np.zeros(0, complex) if apart is None else _roots(apart.factor)
 
 
-def _roots(apart: Apart) -> ComplexArray:
-    lead = Fraction(apart.modes[0])
-    return poly.roots([float(Fraction(c) / lead) for c in apart.modes]).astype(complex)
+def _roots(a: Whole) -> ComplexArray:
+    return poly.roots([c / a[0] for c in a]).astype(complex)
 
 
 def unstable_hidden(plant: Plant) -> list[complex]:
-    """Return the hidden modes on the imaginary axis or to its right, in rad/s."""
+    """Return the hidden modes on the imaginary axis or to its right, in rad/s, each once."""
     apart = Apart.of(*plant.exact)
     if apart is None or apart.stable:
         return []
-    return [complex(s) for s in _roots(apart).tolist() if s.real >= -_ON_AXIS * abs(s)]
+    # rounding moves a repeated root by far
+    once = whole.divided(apart.factor, signs.repeated(apart.factor))
+    return [complex(s) for s in _roots(once).tolist() if s.real >= -_ON_AXIS * abs(s)]
 
 
 def without_hidden(plant: Plant) -> Plant:

@@ -144,7 +144,8 @@ def _bandwidth(path: Path) -> float | None:
     """Return where |T| is first 3 dB below what it is at w = 0.
 
     That is 1 where the loop integrates, by the table's low end or its controller; elsewhere what
-    |T| is at the table's first point stands for it.
+    |T| is at the table's first point stands for it. None where it is never there, or was below it
+    already where the table begins.
     """
     level = DROP**0.5
     if not _integrates(path):
@@ -155,6 +156,8 @@ def _bandwidth(path: Path) -> float | None:
         return float(abs(gain) - level * abs(1 + gain))
 
     signs = np.sign(np.abs(path.gain) - level * np.abs(1 + path.gain))
+    if signs[0] < 0:  # what is met later is a resonance on its way up
+        return None
     return next(iter(sign_changes(above, path.w, signs)), None)
 
 
