@@ -31,6 +31,7 @@ _TURN = 0.25  # rad that a mode turns at most from one sample shown to the next
 BAND = 0.02  # of its final value around that: in it a response has settled
 NEAR = 0.9  # of the band: what creeps on from there has settled
 STILL = 1e-4  # of the slowest mode is little enough to speak of rest
+_FEW = 1000  # samples cost less to look at than to choose among
 _MOST = 1_000_000  # samples shown; a loop that needs more has thousands of swings
 
 
@@ -190,7 +191,7 @@ def _pace(rates: list[tuple[float, float]], k: int, end: int) -> tuple[bool, int
     alive = [(decay, turn) for decay, turn in rates if decay * k <= _GONE]
     alone = len(alive) == 1 and alive[0][0] == alive[0][1]
     fastest = 0.0 if alone or not alive else alive[-1][1]
-    most = max(1, (end - k) // (4 if alone else 32))
+    most = 1 if end <= _FEW else max(1, (end - k) // (4 if alone else 32))
     doublings = min(max(int(_TURN / max(fastest, _TURN / most)).bit_length() - 1, 0), 60)
     over = [_GONE / decay for decay, turn in alive if decay > 0 and turn > _TURN / (4 << doublings)]
     wanted = max(over, default=float(end))
