@@ -11,18 +11,17 @@ by little in a sample every sum on the way is led by its first term, and floats 
 digits do.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from itertools import chain
-from math import factorial, isinf, log10
+from math import isinf
 
 import numpy as np
 import numpy.typing as npt
 
 from zoh.lti import digits
 from zoh.lti.systems import Plant
-from zoh.sampling.ring import StepResponse, digits_needed
+from zoh.sampling.moves import Moves
 
 Array = npt.NDArray[np.float64]
 Series = tuple[float, float, Array]  # begin, span, coefficients
@@ -71,8 +70,10 @@ class Held:
         if not n:
             return np.zeros((0, 1)), [(0.0, length, np.array([[self.d]]))]
         if self.size * length > GENTLE:
-            parts = [(a, span, self._taylor(a, span)) for a, span in self._stretches(length)]
-            return self._move(t), parts
+            moves, stretches = Moves.of(self.plant, self.dt), self._stretches(length)
+            return moves.moved(t), [
+                (a, span, self._taylor(a, span, moves)) for a, span in stretches
+            ]
         first = self._series([1.0] + [0.0] * (n - 1), length)
         rows, low = [[sum(column[:0:-1]) for column in zip(*first, strict=True)]], (*self.low, -1.0)
         for _ in range(1, n):  # the derivative of x_0 is x_1, and so on
@@ -86,30 +87,13 @@ class Held:
         series[0, n] += self.d
         return np.array(rows), [(0.0, length, series)]
 
-    def _move(self, t: float | Decimal) -> Array:
-        """Return Phi(t) - I beside Gamma(t), in digits."""
-        response, precision = self._exact(float(t))
-        with digits.precision(precision):
-            exact = response.exponential(Decimal(t))
-            exact[0] -= 1
-            return _split(_derivatives(response, exact, len(self.low)), response.modulus[1:])
-
-    def _taylor(self, t: float, span: float) -> Array:
+    def _taylor(self, t: float, span: float, moves: Moves | None = None) -> Array:
         """Return y's series from t on."""
-        terms = self.terms(span)
-        if not t:
+        if t:
+            moves = moves or Moves.of(self.plant, self.dt)
+            rows = moves.series(t, span, self.terms(span))
+        else:
             rows = _array(self._series(list(self.c), span))
-            rows[0, -1] += self.d
-            return rows
-        response, precision = self._exact(t)
-        with digits.precision(precision + int(terms * max(0.0, log10(self.size)))):
-            exact = response.exponential(Decimal(t))
-            q = [Decimal(0)] * len(exact)
-            for weight in reversed(_exactly(self.plant, self.dt)[1]):
-                shifted = response.times_sigma(q)
-                q = [a + weight * b for a, b in zip(shifted, exact, strict=True)]
-            rows = _split(_derivatives(response, q, terms), response.modulus[1:])
-        rows *= np.array([[span**j / factorial(j)] for j in range(terms)])
         rows[0, -1] += self.d
         return rows
 
@@ -154,14 +138,6 @@ class Held:
             term *= turn / j
         return len(self.low) + j
 
-    def _exact(self, t: float) -> tuple[StepResponse, int]:
-        """Return the plant in digits, and how many of them a time t needs."""
-        num, den = self.plant.exact
-        needed = digits_needed(num, den, self.dt * t)
-        with digits.precision(needed):
-            gain = Decimal(self.plant.sensor)
-            return StepResponse.of(num, den, gain, Decimal(self.dt)), needed
-
 
 def _array(rows: list[list[float]]) -> Array:
     """Return the rows as an array; flat, they are read twice as fast."""
@@ -196,23 +172,3 @@ def _exactly(plant: Plant, dt: float) -> tuple[list[Decimal], list[Decimal], Dec
             low.append(a / den[0] * power)
             c.append((gain * b - d * (a / den[0])) * power)
     return low[::-1], c[::-1], d
-
-
-def _derivatives(response: StepResponse, element: list[Decimal], count: int) -> list[list[Decimal]]:
-    """Return the element and its derivatives, times sigma each."""
-    out = []
-    for _ in range(count):
-        out.append(element)
-        element = response.times_sigma(element)
-    return out
-
-
-def _split(rows: Sequence[Sequence[Decimal]], low: Sequence[Decimal]) -> Array:
-    """Return polynomials mod sigma den as rows on the state and, last, on the input."""
-    n = len(low)
-    return np.array(
-        [
-            [*(float(a - row[n] * b) for a, b in zip(row, low, strict=False)), float(row[n])]
-            for row in rows
-        ]
-    )

@@ -1,0 +1,176 @@
+"""How a held plant moves within a sample, in whole numbers, where floats would subtract.
+
+Modulo sigma den(sigma) the exponential is 1 + sigma P, P = (exp(sigma t) - 1)/sigma modulo den,
+and an element e + sigma H acts on the state as the remainder of e + sigma H modulo den, on the
+input as H's last number does. So the state moves by sigma P, and with the output's row c::
+
+    y(t) = (c_0 + sigma H) (x, u),    H = c P + (c_1, c_2 ... c_(n-1), 0)
+
+Each derivative is sigma times the one before: its H is what acted on the state there. Errors are
+bounded (see ``fixed``); what is not sure to a float is found again with the bits that were missing.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from math import factorial, frexp
+from typing import Self
+
+import numpy as np
+import numpy.typing as npt
+
+from zoh.errors import SpecError
+from zoh.lti.plant import Plant
+from zoh.sampling.fixed import Element, FixedRing, Ratio, fixed, log2_above
+from zoh.sampling.response import Scaled
+
+Array = npt.NDArray[np.float64]
+
+_FIRST = 80  # bits, and some for each mode and each halving, that are mostly enough
+_SHORT = 12  # halvings: beyond, too few bits to begin with cost more than too many
+_SURE = 2.0**-58  # of a number is left open at most: it becomes a float
+_NOTHING = 2.0**-400  # of the largest number beside it: what is smaller may be anything
+_LARGE = 1000  # the exponent of an error that is too large in any case
+_MOST = 16_384  # bits; what is not sure with so many is left as it is
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Moves:
+    """A plant whose input is held, time in units of T = 2^-rate s within and of dt outside.
+
+    ratio, exponent  ratio 2^exponent is dt/T, ratio in [1/2, 1)
+    bits             to begin with
+    """
+
+    scaled: Scaled
+    ratio: float
+    exponent: int
+    bits: int
+
+    @classmethod
+    def of(cls, plant: Plant, dt: float) -> Self:
+        """Return the plant sampled every dt s; raise SpecError where a mode is too fast for it."""
+        scaled, (ratio, exponent) = Scaled.of(*plant.exact, plant.sensor, dt), frexp(dt)
+        bits, halvings = scaled.first_bits(), scaled.halvings()
+        if 0 < halvings <= _SHORT:
+            bits = min(bits, _FIRST + 8 * len(scaled.den) + halvings * (halvings + 6) // 2)
+        return cls(scaled=scaled, ratio=ratio, exponent=exponent + scaled.rate, bits=bits)
+
+    def moved(self, t: float | Decimal) -> Array:
+        """Return Phi(t) - I beside Gamma(t), shape (n, n + 1), t in samples."""
+        n, e, bits = len(self.scaled.den) - 1, self.exponent, self.bits
+        derivative, column = np.arange(n)[:, None], np.arange(n + 1)
+        # sigma^j P has no power below j, and den none below its roots at 0
+        by_structure = (column <= derivative) & (column < n - self.scaled.moving)
+        while True:
+            rows, errors = self._rows(t, bits, n, _Units(e, -e, 0), seen=False)
+            sizes = np.abs(rows)
+            allowed = np.maximum(_SURE * sizes, _NOTHING * sizes.max(axis=1, keepdims=True))
+            missing = _missing(np.where(by_structure, 0.0, errors), allowed)
+            if not missing or bits > _MOST:
+                return rows * self.ratio ** (derivative - column)
+            bits += missing
+
+    def series(self, t: float, span: float, terms: int) -> Array:
+        """Return y's Taylor series from t on, shape (terms, n + 1), in powers of (time - t)/span.
+
+        t, span  in samples; the direct path is left out
+        """
+        n, e = len(self.scaled.den) - 1, self.exponent
+        unit, doublings = frexp(span * self.ratio)
+        doublings += e
+        units = _Units(doublings, -e, e * n + self.scaled.gain)
+        weights = np.array([[unit**j / factorial(j)] for j in range(terms)])
+        bits = self.bits + max(0, doublings * terms)
+        while True:
+            rows, errors = self._rows(t, bits, terms, units, seen=True)
+            rows *= weights
+            sizes = np.abs(rows).max(axis=0)
+            allowed = np.maximum(_SURE * sizes, _NOTHING * sizes.max())
+            missing = _missing(errors * weights, allowed)
+            if not missing or bits > _MOST:
+                return rows * self.ratio ** (n - np.arange(n + 1.0))
+            bits += missing
+
+    def _rows(
+        self, t: float | Decimal, bits: int, count: int, units: "_Units", *, seen: bool
+    ) -> tuple[Array, Array]:
+        """Return ``count`` derivatives, a row each on state and input, and bounds on their errors.
+
+        seen  those of the output, the direct path left out; else those of x_0 less itself
+        """
+        plant = self.scaled
+        den = [fixed(c, bits - plant.rate * i) for i, c in enumerate(plant.den)]
+        ring = FixedRing(modulus=tuple(den[:0:-1]), bits=bits)
+        element, error = ring.growth(*self._time(t), 0)
+        ahead, n = 0, len(element)
+        if seen:
+            c = self._output(den, bits)
+            moved = ring.applied(ring.rows(element), c)
+            error = ring.product_error(ring.norm(element), error, ring.norm(c), 4 * n + 4)
+            element = [a + b for a, b in zip(moved, (*c[1:], 0), strict=True)]
+            ahead = c[0]
+        error += (count + 1) * n * (2 + ring.norm(element) + (abs(ahead) >> bits))
+        rows, errors = [], []
+        for j in range(count):
+            last = element[-1]
+            element = ring.times_sigma(element)
+            element[0] += ahead
+            ahead = 0
+            shifts = units.of(j, n + 1, bits)
+            try:
+                rows.append([_scaled(a, s) for a, s in zip((*element, last), shifts, strict=True)])
+            except OverflowError:
+                raise _beyond_floats(plant.dt) from None
+            errors.append([2.0 ** min(error.bit_length() + s, _LARGE) for s in shifts])
+        return np.array(rows), np.array(errors)
+
+    def _time(self, t: float | Decimal) -> tuple[Ratio, int]:
+        """Return t samples in units of T, and how often that must be halved to be 1/2 at most."""
+        top, bottom = Decimal(t).as_integer_ratio()
+        above, below = self.scaled.in_units(self.scaled.dt.as_integer_ratio())
+        time = top * above, bottom * below
+        return time, max(0, log2_above(time) + 1)
+
+    def _output(self, den: Sequence[int], bits: int) -> Element:
+        """Return c with y = c x + d u, in units of 2^gain, ascending."""
+        plant = self.scaled
+        shift = bits - plant.gain
+        num = [fixed(c, shift - plant.rate * i) for i, c in enumerate(plant.num)]
+        return [a - (num[0] * b >> bits) for a, b in zip(num[:0:-1], den[:0:-1], strict=True)]
+
+
+@dataclass(frozen=True, slots=True)
+class _Units:
+    """The power of two that the number in row j and column i is to be times."""
+
+    per_row: int
+    per_column: int
+    all: int
+
+    def of(self, row: int, columns: int, bits: int) -> list[int]:
+        """Return those of a row in units of 2^-bits."""
+        first = self.all + row * self.per_row - bits
+        return [first + i * self.per_column for i in range(columns)]
+
+
+def _scaled(a: int, exponent: int) -> float:
+    """Return a 2^exponent; raise OverflowError where that is no float."""
+    return float(a << exponent) if exponent >= 0 else a / (1 << -exponent)
+
+
+def _missing(errors: Array, allowed: Array) -> int:
+    """Return the bits that bring every error down to what is allowed."""
+    with np.errstate(all="ignore"):
+        excess = np.where(errors > allowed, errors / allowed, 1.0)
+    worst = min(float(excess.max()), 2.0**_LARGE)
+    return 0 if worst <= 1 else frexp(worst)[1] + 1
+
+
+def _beyond_floats(dt: float) -> SpecError:
+    return SpecError(
+        "dt",
+        "must keep the plant's motion within a sample within a float's range",
+        dt,
+        "sample faster, or leave the fast mode out of the model",
+    )

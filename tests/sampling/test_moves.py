@@ -1,0 +1,119 @@
+"""moves: a held plant inside a sample that its fastest mode outruns, against 120 digits."""
+
+from decimal import Decimal
+from math import e, sqrt
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+from zoh.errors import SpecError
+from zoh.lti.systems import Plant
+from zoh.sampling.moves import Moves
+
+REL = 1e-14  # of each number of the state's move; a float's rounding five times over
+
+
+def truth(plant, dt, t):
+    """Return exp(A t) of (state, input), its generator and y's row, t in samples."""
+    den = [mpf(c) / mpf(plant.den[0]) for c in plant.den]
+    n = len(den) - 1
+    num = [mpf(0)] * (n + 1 - len(plant.num)) + [mpf(c) / mpf(plant.den[0]) for c in plant.num]
+    a, row = mp.zeros(n + 1), mp.zeros(1, n + 1)
+    for i in range(n - 1):
+        a[i, i + 1] = mpf(1)
+    for i in range(n):
+        a[n - 1, i] = -den[n - i] * mpf(dt) ** (n - i)
+        row[i] = (num[n - i] - num[0] * den[n - i]) * mpf(dt) ** (n - i) * mpf(plant.sensor)
+    a[n - 1, n] = mpf(1)
+    return mp.expm(a * mpf(t), method="taylor"), a, row
+
+
+def drawn(seed):
+    """Return a plant of order 1 to 6 with modes from 1e-4 to 200 rad a sample, dt and a time."""
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(1, 7))
+    at_origin = int(rng.integers(0, min(n, 3)))
+    poles = [0.0] * at_origin
+    while len(poles) < n:
+        size = 10 ** rng.uniform(-4, 2.3)
+        if n - len(poles) >= 2 and rng.random() < 0.4:
+            real = rng.uniform(0, 1)
+            swing = 1j * sqrt(1 - real * real)
+            poles += [size * (-real + swing), size * (-real - swing)]
+        else:
+            poles.append(-size if rng.random() < 0.85 else min(size, 20.0))
+    dt = 10 ** rng.uniform(-3, 3)
+    den = [c * dt**-i for i, c in enumerate(np.poly(poles).real.tolist())]
+    if at_origin:
+        den[-at_origin:] = [0.0] * at_origin
+    num = rng.normal(size=int(rng.integers(1, n + 2))).tolist()
+    plant = Plant(num=num, den=den, sensor=float(10 ** rng.uniform(-3, 3)))
+    return plant, dt, [1.0, float(rng.uniform()), 1e-3][int(rng.integers(3))]
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_drawn_plant_moves_and_is_seen(seed):
+    plant, dt, t = drawn(seed)
+    n, moves = len(plant.den) - 1, Moves.of(plant, dt)
+    span, terms = 0.01, 12
+    with mp.workdps(120):
+        whole, a, row = truth(plant, dt, t)
+        moved = np.array((whole - mp.eye(n + 1)).tolist(), float)[:n]
+        row[n] = mpf(0)  # the direct path is left out
+        rows = []
+        for j in range(terms):
+            rows.append([float(x * mpf(span) ** j / mp.factorial(j)) for x in row * whole])
+            row = row * a
+    found = moves.moved(t)
+    # a number 1e60 times smaller than the largest of its row is nothing beside it
+    small = 1e-60 * np.abs(moved).max(axis=1, keepdims=True)
+    assert np.all(np.abs(found - moved) <= np.maximum(REL * np.abs(moved), small))
+    wanted = np.array(rows)
+    off = np.abs(moves.series(t, span, terms) - wanted)
+    assert np.all(off <= 1e-14 * np.abs(wanted).max(axis=0))  # of what a state adds at most
+
+
+def test_what_integrators_leave_alone_is_zero():
+    # 1/(s^2 (s + 30)): position and rate have no spring
+    moved = Moves.of(Plant(num=[1], den=[1, 30, 0, 0]), 0.1).moved(1.0)
+    assert moved[0, :2].tolist() == [0.0, 1.0]
+    assert moved[1, :2].tolist() == [0.0, 0.0]
+    assert moved[1, 2] == pytest.approx((1 - e**-3) / 3, rel=REL)
+    assert moved[2, :3] == pytest.approx([0.0, 0.0, e**-3 - 1], rel=REL)
+
+
+def test_a_time_of_forty_digits_is_no_float():
+    third = Decimal("0.3333333333333333333333333333333333333333")
+    lag = Moves.of(Plant(num=[1], den=[1, 30]), 1.0)
+    with mp.workdps(50):
+        wanted = float(mp.expm1(-mpf(10)))
+    assert lag.moved(third)[0, 0] == pytest.approx(wanted, rel=2e-16)
+
+
+def test_modes_a_billion_times_faster_than_the_sample_are_over():
+    # 1/(s + 1e9)^5 with unit gain: within a sample the state comes to rest on its input
+    den = [1e9**i * c for i, c in enumerate([1, 5, 10, 10, 5, 1])]
+    moves = Moves.of(Plant(num=[den[-1]], den=den), 1.0)
+    moved = moves.moved(1.0)
+    assert moved[:, :5] == pytest.approx(-np.eye(5), rel=REL)
+    assert moved[0, 5] == pytest.approx(1e-45, rel=REL)
+    series = moves.series(0.5, 0.5, 30)
+    assert series[0, 5] == pytest.approx(1.0, rel=REL)
+    # the largest of a state's numbers is 1e45^(5/5): what it still adds is nothing beside that
+    assert np.abs(series[1:]).max() < 1e-60
+    assert np.abs(series[:, :5]).max() < 1e-60
+
+
+def test_a_motion_beyond_floats_is_refused():
+    moves = Moves.of(Plant(num=[1], den=[1.0, -699.0, -700.0]), 1.0)  # poles 700 and -1
+    with mp.workdps(50):
+        wanted = float((mp.exp(700) - mp.exp(-1)) / 701)
+    assert moves.moved(1.0)[0, 1] == pytest.approx(wanted, rel=REL)
+    with pytest.raises(SpecError, match="must keep the plant's motion within a sample"):
+        moves.series(1.0, 1.0, 12)  # 700^11 times that
+
+
+def test_a_mode_too_fast_for_any_exponent_is_refused():
+    with pytest.raises(SpecError, match="must not be as long against the plant's fastest mode"):
+        Moves.of(Plant(num=[1], den=[1, 1e19, 1]), 1.0)
