@@ -30,7 +30,9 @@ den = [1]
 
 
 def over(*texts, sample=None, ends=False, latin=False):
-    return read_over(texts, sample=sample, seed=7, latin=latin, ends=ends)
+    return read_over(
+        texts, sample=sample, seed=None if sample is None else 7, latin=latin, ends=ends
+    )
 
 
 def swept(run, text, *more):

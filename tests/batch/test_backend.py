@@ -15,8 +15,8 @@ FAST = Way(name="fast", module=__name__, least=1000, starts="compiled at its fir
 ABSENT = Way(name="absent", module=__name__, needs="no_such_package")
 
 
-def covers(job):
-    return job.law == "p"
+def lacks(job):
+    return "" if job.law == "p" else f"the law {job.law}"
 
 
 def run(job, columns):
@@ -44,7 +44,7 @@ def test_what_was_passed_over_is_said():
         "absent needs no_such_package: pip install 'zoh[fast]' brings it"
     )
     other = Job(plant=ARM, law="pi", asked={"pm_deg": 40}, dt=0.1, varying=("wc",))
-    assert "fast does not cover this job" in choose(other, 10**6).why
+    assert "fast has no arithmetic for the law pi" in choose(other, 10**6).why
 
 
 @pytest.mark.usefixtures("ways")

@@ -13,9 +13,10 @@ from zoh.batch.figures import FIGURES
 from zoh.batch.job import Job, refuse_weights
 from zoh.batch.reason import Reason
 from zoh.batch.result import Sweep
+from zoh.batch.saved import refuse_netcdf
 from zoh.batch.sources import nominal_plant
 from zoh.batch.space import Random, Space
-from zoh.batch.stream import refuse_netcdf, sweep_to
+from zoh.batch.stream import sweep_to
 from zoh.batch.summary import Summary
 from zoh.batch.sweep import sweep_of, sweep_summary
 from zoh.batch.workers import Progress

@@ -26,6 +26,8 @@ from zoh.batch.tolerances import ON_TARGET, ROOM
 CHUNK = 2048  # loops at a time: fewer are ruled by Python's calls, more leave a core's own cache
 
 _ORDER = 6  # of the plant
+_GIVEN = 3  # of a controller that is given
+_TAKES = frozenset({"wc", "pm_deg", "ki", "dc_gain", "filter_pole"})
 _DELAYS = 4  # whole samples: each is a power in the loop and a state in its motion
 _FASTEST = 1.2  # |s| dt of a plant's poles: beyond it two crests in one sample are usual, below
 # they need three poles or more, and are rare but not excluded
@@ -53,18 +55,34 @@ class Batch:
     beyond: Mask
 
 
-def covers(job: Job) -> bool:
-    """Return whether these arithmetics can do the job.
+def lacks(job: Job) -> str:
+    """Return what of this job these arithmetics cannot do, "" where they can do all of it.
 
     A plant that answers at once jumps within a sample, which is left to the single design.
+
+    >>> from zoh.lti.systems import Plant
+    >>> lacks(Job(plant=Plant(num=[1, 2], den=[1, 0]), law="p", asked={"wc": 1}, dt=0.1))
+    'a plant that is not strictly proper'
     """
     num, den = coefficients(job, {}, 1)
-    plain = not job.sections and len(num) < len(den) <= _ORDER + 1
+    if len(num) >= len(den):
+        return "a plant that is not strictly proper"
+    if len(den) > _ORDER + 1:
+        return f"a plant of order {len(den) - 1}, above {_ORDER}"
+    if job.sections:
+        return "sections"
     if job.controller is not None:
-        return plain and job.controller.delay == 0 and len(job.controller.den_w) <= 4
+        order = len(job.controller.den_w) - 1
+        if job.controller.delay:
+            return "a controller with a delay of its own"
+        return f"a controller of order {order}, above {_GIVEN}" if order > _GIVEN else ""
+    if job.law not in laws.LAWS:
+        return f"the law {job.law}"
     asked = {*job.asked, *(key for key in job.varying if key in job.law_keys)}
-    takes = {"wc", "pm_deg", "ki", "dc_gain", "filter_pole"}
-    return plain and job.law in laws.LAWS and {"wc", "pm_deg"} <= asked <= takes
+    missing, more = {"wc", "pm_deg"} - asked, asked - _TAKES
+    if missing:
+        return f"a {job.law} without {', '.join(sorted(missing))}"
+    return ", ".join(sorted(more))
 
 
 def run(job: Job, columns: Columns) -> Results:
