@@ -4,6 +4,7 @@ What floats cannot decide, or only in many steps, is left to the single design: 
 be rounding, an extreme that may touch 0, a request at the edge of what its law can do.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,6 +32,8 @@ _TAKES = frozenset({"wc", "pm_deg", "ki", "dc_gain", "filter_pole"})
 _DELAYS = 4  # whole samples: each is a power in the loop and a state in its motion
 _FASTEST = 1.2  # |s| dt of a plant's poles: beyond it two crests in one sample are usual, below
 # they need three poles or more, and are rare but not excluded
+_LARGE = 1e40  # the seventh power of it is a float
+_FAR = 1e12  # powers of |s| dt: further from 1 rounding leaves no digit of a pole near 0
 _SQUARINGS = 4  # of the poles: their sizes then differ by the 16th power, and a bound's 12 is 1.17
 
 
@@ -112,22 +115,35 @@ def batch(job: Job, columns: Columns, n: int) -> Batch:
     for values in asked.values():
         regular &= values > 0
     beyond = np.zeros(n, bool)
-    if "pm_deg" in asked:
-        beyond = regular & ~(asked["wc"] * dt < np.pi)
-        regular &= (asked["pm_deg"] < 180) & ~beyond
     with np.errstate(all="ignore"):
+        num, den = num[::-1] * (job.plant.sensor / den[0]), den[::-1] / den[0]
+        regular &= _ordinary(job, num, den, dt, asked)
+        if "pm_deg" in asked:
+            beyond = regular & ~(asked["wc"] * dt < np.pi)
+            regular &= (asked["pm_deg"] < 180) & ~beyond
         ratio = late / dt
         whole = np.abs(ratio - np.round(ratio)) <= 8 * np.spacing(ratio)
         delay = np.where(whole, np.round(ratio), np.ceil(ratio))
         regular &= delay <= _DELAYS
         lead = np.where(whole, 0.0, (delay * dt - late) / dt)
-        num = np.concatenate([num[::-1], np.zeros((len(den) - len(num), n))])
-        num, den = num * (job.plant.sensor / den[0]), den[::-1] / den[0]
+        num = np.concatenate([num, np.zeros((len(den) - len(num), n))])
         regular &= _turns_once(den) | (_fastest(den, dt) <= _FASTEST)
     return Batch(
         num=num, den=den, dt=dt, delay=np.where(regular, delay, 0).astype(np.int64), lead=lead,
         asked=asked, regular=regular, beyond=beyond,
     )  # fmt: skip
+
+
+def _ordinary(job: Job, num: Array, den: Array, dt: Array, asked: Mapping[str, Array]) -> Mask:
+    """Return whether no power or product of a loop's numbers comes near the end of a float."""
+    given = [job.reference]
+    if job.controller is not None:
+        given += [*job.controller.num_w, *job.controller.den_w]
+    sizes = np.abs(np.vstack([num, den, dt, *asked.values()]))
+    within = (sizes == 0) | ((sizes >= 1 / _LARGE) & (sizes <= _LARGE))
+    rates = np.abs(den[::-1]) * dt ** np.arange(float(len(den)))[:, None]
+    constant = all(x == 0 or 1 / _LARGE <= abs(x) <= _LARGE for x in given)
+    return np.asarray(constant & within.all(axis=0) & (rates <= _FAR).all(axis=0))
 
 
 def _turns_once(den: Array) -> Mask:
