@@ -195,6 +195,8 @@ def test_a_grid_is_a_map_or_a_line_and_a_sample_is_bands(space, names):
         (("--over", "wc=1:2", "--sample", "0"), "count must be a whole number of 1 or more"),
         (("--over", "wc=1:2", "--sample", "5", "--corners"), "--corners must not stand beside"),
         (("--over", "wc=1:2:3", "--latin"), "--latin must stand beside --sample"),
+        (("--over", "wc=1:2:3", "--seed", "0"), "--seed must stand beside --sample, got 0"),
+        (("--over", "wc=1:2", "--corners", "--seed", "3"), "--seed must stand beside --sample"),
         (("--over", "wc=1:2:3", "--controller", "PX"), "--controller must be in the file"),
         (("--over", "wc=1:2:3", "--out", "a.csv"), "--out must end in .nc or .zarr"),
         (("--over", "wc=1:2:3", "--arithmetic", "abacus"), "arithmetic must be one of"),

@@ -32,7 +32,7 @@ _TAKES = frozenset({"wc", "pm_deg", "ki", "dc_gain", "filter_pole"})
 _DELAYS = 4  # whole samples: each is a power in the loop and a state in its motion
 _FASTEST = 1.2  # |s| dt of a plant's poles: beyond it two crests in one sample are usual, below
 # they need three poles or more, and are rare but not excluded
-_LARGE = 1e40  # the seventh power of it is a float
+_LARGE = 1e20  # of a number, or its inverse: beyond it others' rounding says what it does
 _FAR = 1e12  # powers of |s| dt: further from 1 rounding leaves no digit of a pole near 0
 _SQUARINGS = 4  # of the poles: their sizes then differ by the 16th power, and a bound's 12 is 1.17
 
