@@ -101,6 +101,7 @@ def run(job: Job, columns: Columns) -> Results:
     return in_chunks(job, columns, CHUNK, some)
 
 
+@np.errstate(all="ignore")  # here, too: a thread of its own has not its caller's
 def batch(job: Job, columns: Columns, n: int) -> Batch:
     """Return what is asked of n loops."""
     num, den = coefficients(job, columns, n)
@@ -115,19 +116,18 @@ def batch(job: Job, columns: Columns, n: int) -> Batch:
     for values in asked.values():
         regular &= values > 0
     beyond = np.zeros(n, bool)
-    with np.errstate(all="ignore"):
-        num, den = num[::-1] * (job.plant.sensor / den[0]), den[::-1] / den[0]
-        regular &= _ordinary(job, num, den, dt, asked)
-        if "pm_deg" in asked:
-            beyond = regular & ~(asked["wc"] * dt < np.pi)
-            regular &= (asked["pm_deg"] < 180) & ~beyond
-        ratio = late / dt
-        whole = np.abs(ratio - np.round(ratio)) <= 8 * np.spacing(ratio)
-        delay = np.where(whole, np.round(ratio), np.ceil(ratio))
-        regular &= delay <= _DELAYS
-        lead = np.where(whole, 0.0, (delay * dt - late) / dt)
-        num = np.concatenate([num, np.zeros((len(den) - len(num), n))])
-        regular &= _turns_once(den) | (_fastest(den, dt) <= _FASTEST)
+    num, den = num[::-1] * (job.plant.sensor / den[0]), den[::-1] / den[0]
+    regular &= _ordinary(job, num, den, dt, asked)
+    if "pm_deg" in asked:
+        beyond = regular & ~(asked["wc"] * dt < np.pi)
+        regular &= (asked["pm_deg"] < 180) & ~beyond
+    ratio = late / dt
+    whole = np.abs(ratio - np.round(ratio)) <= 8 * np.spacing(ratio)
+    delay = np.where(whole, np.round(ratio), np.ceil(ratio))
+    regular &= delay <= _DELAYS
+    lead = np.where(whole, 0.0, (delay * dt - late) / dt)
+    num = np.concatenate([num, np.zeros((len(den) - len(num), n))])
+    regular &= _turns_once(den) | (_fastest(den, dt) <= _FASTEST)
     return Batch(
         num=num, den=den, dt=dt, delay=np.where(regular, delay, 0).astype(np.int64), lead=lead,
         asked=asked, regular=regular, beyond=beyond,
