@@ -136,13 +136,16 @@ def test_loops_are_written_to_the_file_that_is_named(good, run, tmp_path):
 
 def test_a_file_that_cannot_be_written_is_refused_before_the_work(run, good, tmp_path, monkeypatch):
     monkeypatch.setattr("zoh.app.sweep.sweep_of", lambda *_, **__: pytest.fail("worked"))
-    (tmp_path / "old.nc").write_text("")
+    for old in ("old.nc", "old.zarr"):
+        (tmp_path / old).write_text("")
+    figures = ("--figures", str(tmp_path / "figures"))
     for name, sentence in (
         ("old.nc", "must not be there already"),
+        ("old.zarr", "must not be there already"),
         ("no/a.nc", "in a folder that"),
     ):
         out = str(tmp_path / name)
-        code, _, err = swept(run, good, "--over", "wc=1:2:3", "--out", out)
+        code, _, err = swept(run, good, "--over", "wc=1:2:3", "--out", out, *figures)
         assert code == 2
         assert sentence in err
 

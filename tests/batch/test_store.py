@@ -131,7 +131,10 @@ def test_a_store_that_is_not_complete_says_what_is_missing(tmp_path):
     path = str(tmp_path / "a.zarr")
     with pytest.raises(KeyboardInterrupt):
         sweep_to(path, JOB, space(40), block=4, keep=KEPT, progress=stopped)
-    refused(path, "must be a whole store, but blocks/c/1/0, blocks/c/2/0, blocks/c/3/0 and 6 more")
+    refused(
+        path,
+        "must be a whole store, not one with blocks/c/1/0, blocks/c/2/0, blocks/c/3/0 and 6 more",
+    )
 
 
 @pytest.mark.parametrize("grid", [True, False])

@@ -29,11 +29,16 @@ def refuse_netcdf(path: str) -> None:
         raise SpecError("path", "must be in a folder that is there", path, f"make {folder}")
 
 
+def refuse_zarr(path: str) -> None:
+    """Raise SpecError where no new Zarr store can be written: to be asked before the work."""
+    needed("zarr", "a Zarr store")
+    _refuse_what_is_there(path)
+
+
 def write_zarr(found: "Dataset", path: str) -> None:
     """Write a dataset to a new Zarr store, sealed as ``zoh.open_sweep`` asks for."""
-    needed("zarr", "a Zarr store")
+    refuse_zarr(path)
     folder = Path(path)
-    _refuse_what_is_there(path)
     found.to_zarr(path, mode="w-", consolidated=False)
     files = {f.relative_to(folder).as_posix(): f for f in folder.rglob("*") if f.is_file()}
     root = files.pop(store.ROOT)

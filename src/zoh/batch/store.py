@@ -178,8 +178,8 @@ def seals_of(path: str) -> dict[str, int]:
 
 def not_whole(path: str, files: str) -> SpecError:
     """Return the refusal of a store of which some files are not as they were written."""
-    bound = f"must be a whole store, but {files} is missing or damaged"
-    way_out = "sweep_to of the same sweep makes its own whole, any other must be written anew"
+    bound = f"must be a whole store, not one with {files} missing or damaged"
+    way_out = "sweep_to of the same sweep makes it whole; what to_zarr wrote must be written anew"
     return SpecError("path", bound, path, way_out)
 
 
