@@ -1,14 +1,16 @@
 """pieces: every crossing of a polynomial on [0, 1], and no other."""
 
 from itertools import pairwise
+from math import pi
 
 import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+import zoh
 from zoh.analysis import pieces
-from zoh.analysis.pieces import Piece, bernstein
+from zoh.analysis.pieces import Piece, bernstein, highest_bounds
 
 ROOTS = st.lists(st.floats(-0.5, 1.5), min_size=1, max_size=6)
 
@@ -143,3 +145,31 @@ def test_a_touch_that_rounding_makes_two_crossings_or_none(root):
         assert len(found) % 2 == 0
         # 1e-3: the fourth root of rounding
         assert found == pytest.approx([root] * len(found), abs=1e-3)
+
+
+def test_bounds_of_many_hold_and_are_those_of_the_tops_where_they_are_concave():
+    rng = np.random.default_rng(2)
+    tops = rng.uniform(-0.5, 1.5, 200)  # of -(t - top)^2 + 3 - 0.1 (t - top)^4, some outside [0, 1]
+    t = np.linspace(0, 1, 2001)
+    columns = [
+        np.polynomial.Polynomial([3, 0, -1, 0, -0.1])(np.polynomial.Polynomial([-x, 1])).coef
+        for x in tops
+    ]
+    off = np.clip(tops, 0, 1) - tops  # from the top to the nearest of the interval
+    truth = 3 - off**2 - 0.1 * off**4
+    assert highest_bounds(np.array(columns).T) == pytest.approx(truth, abs=1e-14)
+    wild = rng.normal(size=(7, 500))
+    seen = np.polynomial.polynomial.polyval(t, wild).max(axis=1)
+    assert (highest_bounds(wild) >= seen - 1e-14).all()
+
+
+def test_of_a_motion_that_does_not_die_one_crest_is_looked_into(monkeypatch):
+    """1 - cos t for a million samples: each of 159000 crests has the height of the first."""
+    looked, highest = [], Piece.highest
+    monkeypatch.setattr(Piece, "highest", lambda self: looked.append(1) or highest(self))
+    found = zoh.step_info(zoh.Plant(num=[1], den=[1, 1e-80, 1]))
+    assert len(looked) < 1000
+    # crests as high but for the rounding of a million steps: which is the highest it decides
+    assert found.peak == pytest.approx(2, rel=1e-9)
+    assert found.peak_time % (2 * pi) == pytest.approx(pi, abs=1e-8)  # a million roundings
+    assert found.settling_time is None

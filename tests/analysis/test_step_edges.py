@@ -43,8 +43,11 @@ def test_refusals_in_words():
         "sample more slowly"
     )
     assert refusal(lambda: step_info([1.0, 2.0])) == (
-        "L must be a zoh.Plant or zoh.Sampled, got [1.0, 2.0]: make one first"
+        "system must be a zoh.Plant or zoh.Sampled, got [1.0, 2.0]: "
+        "a table shows no step; of coefficients make one first"
     )
+    table = zoh.FrequencyResponse.from_bode(hz=[1, 2], db=[0, -6], phase_deg=[-90, -120])
+    assert refusal(lambda: step_info(table)).startswith("system must be a zoh.Plant or zoh.Sampled")
 
 
 def test_an_algebraic_loop_of_gain_minus_one():

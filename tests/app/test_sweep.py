@@ -30,7 +30,9 @@ den = [1]
 
 
 def over(*texts, sample=None, ends=False, latin=False):
-    return read_over(texts, sample=sample, seed=7, latin=latin, ends=ends)
+    return read_over(
+        texts, sample=sample, seed=None if sample is None else 7, latin=latin, ends=ends
+    )
 
 
 def swept(run, text, *more):
@@ -134,13 +136,16 @@ def test_loops_are_written_to_the_file_that_is_named(good, run, tmp_path):
 
 def test_a_file_that_cannot_be_written_is_refused_before_the_work(run, good, tmp_path, monkeypatch):
     monkeypatch.setattr("zoh.app.sweep.sweep_of", lambda *_, **__: pytest.fail("worked"))
-    (tmp_path / "old.nc").write_text("")
+    for old in ("old.nc", "old.zarr"):
+        (tmp_path / old).write_text("")
+    figures = ("--figures", str(tmp_path / "figures"))
     for name, sentence in (
         ("old.nc", "must not be there already"),
+        ("old.zarr", "must not be there already"),
         ("no/a.nc", "in a folder that"),
     ):
         out = str(tmp_path / name)
-        code, _, err = swept(run, good, "--over", "wc=1:2:3", "--out", out)
+        code, _, err = swept(run, good, "--over", "wc=1:2:3", "--out", out, *figures)
         assert code == 2
         assert sentence in err
 
@@ -193,6 +198,8 @@ def test_a_grid_is_a_map_or_a_line_and_a_sample_is_bands(space, names):
         (("--over", "wc=1:2", "--sample", "0"), "count must be a whole number of 1 or more"),
         (("--over", "wc=1:2", "--sample", "5", "--corners"), "--corners must not stand beside"),
         (("--over", "wc=1:2:3", "--latin"), "--latin must stand beside --sample"),
+        (("--over", "wc=1:2:3", "--seed", "0"), "--seed must stand beside --sample, got 0"),
+        (("--over", "wc=1:2", "--corners", "--seed", "3"), "--seed must stand beside --sample"),
         (("--over", "wc=1:2:3", "--controller", "PX"), "--controller must be in the file"),
         (("--over", "wc=1:2:3", "--out", "a.csv"), "--out must end in .nc or .zarr"),
         (("--over", "wc=1:2:3", "--arithmetic", "abacus"), "arithmetic must be one of"),

@@ -15,8 +15,8 @@ FAST = Way(name="fast", module=__name__, least=1000, starts="compiled at its fir
 ABSENT = Way(name="absent", module=__name__, needs="no_such_package")
 
 
-def covers(job):
-    return job.law == "p"
+def lacks(job):
+    return "" if job.law == "p" else f"the law {job.law}"
 
 
 def run(job, columns):
@@ -44,7 +44,7 @@ def test_what_was_passed_over_is_said():
         "absent needs no_such_package: pip install 'zoh[fast]' brings it"
     )
     other = Job(plant=ARM, law="pi", asked={"pm_deg": 40}, dt=0.1, varying=("wc",))
-    assert "fast does not cover this job" in choose(other, 10**6).why
+    assert "fast has no arithmetic for the law pi" in choose(other, 10**6).why
 
 
 @pytest.mark.usefixtures("ways")
@@ -54,6 +54,33 @@ def test_what_is_asked_for_by_name_is_taken_or_refused():
     for job, name in ((JOB, "absent"), (other, "fast"), (JOB, "abacus")):
         with pytest.raises(zoh.SpecError, match="arithmetic"):
             choose(job, 10**6, name)
+
+
+@pytest.mark.parametrize(
+    ("changes", "lacking"),
+    [
+        ({"plant": zoh.Plant(num=[1, 2], den=[1, 1])}, "a plant that is not strictly proper"),
+        ({"plant": zoh.Plant.zpk(zeros=[], poles=[-1] * 7, gain=1)}, "a plant of order 7, above 6"),
+        ({"sections": [zoh.notch(w0=9)]}, "sections"),
+        ({"law": "leadlag", "asked": {"pm_deg": 50, "dc_gain": 9}}, "the law leadlag"),
+        ({"law": "p", "asked": {}}, "a p without pm_deg"),
+        ({"asked": {"pm_deg": 40, "setpoint_weight": 0.5}}, "setpoint_weight"),
+        ({"law": "given", "asked": {}, "varying": ("plant.gain",),
+          "controller": zoh.Sampled(num=[1], den=[1, -0.1, 0, 0, 0.01], dt=0.1)},
+         "a controller of order 4, above 3"),
+    ],
+)  # fmt: skip
+def test_an_arithmetic_that_cannot_says_why(changes, lacking):
+    job = Job(**{"plant": ARM, "law": "pi", "asked": {"pm_deg": 40}, "dt": 0.1, "varying": ("wc",),
+                 **changes})  # fmt: skip
+    with pytest.raises(zoh.SpecError) as refused:
+        choose(job, 10**6, "arrays")
+    assert str(refused.value) == (
+        f"arithmetic must be one that has an arithmetic for {lacking}, got 'arrays': "
+        "leave it out, or take single"
+    )
+    assert f"arrays has no arithmetic for {lacking}" in choose(job, 10**6).why
+    assert choose(job, 10**6, "single").way is SINGLE
 
 
 def test_chunks_are_put_together_in_their_order(monkeypatch):

@@ -4,6 +4,7 @@ import ctypes
 import os
 import subprocess
 import sys
+import time
 from hashlib import sha256
 from subprocess import CompletedProcess
 
@@ -11,7 +12,7 @@ import pytest
 
 pytest.importorskip("numba", reason="the compiled arithmetic needs numba: zoh[fast]")
 
-from numba.core import config
+from numba.core import config, errors
 
 from zoh.batch import first_use
 from zoh.batch.compiled import kernel, machine
@@ -126,6 +127,43 @@ def test_where_the_sources_folder_is_closed_it_is_kept_in_ones_own(begun, monkey
     assert own.read_bytes() == whole(b"new", CODE)
 
 
+def test_code_without_its_function_is_made_again(begun, monkeypatch):
+    commands, files, _ = begun
+    files[0].write_bytes(whole(b"another", CODE))
+
+    def loaded(name, code):
+        if name == "another":
+            raise LookupError(name)
+        return name, code
+
+    monkeypatch.setattr(machine, "loaded", loaded)
+    assert first_use.kernel() == ("name", CODE)
+    assert len(commands) == 1
+
+
+DAY = 86400
+
+
+def test_what_nobody_loads_any_more_is_removed_and_nothing_else(begun, monkeypatch):
+    file = begun[1][0]
+    monkeypatch.setattr(kernel, "machine_code", lambda: ("new", CODE))
+    folder = file.parent
+    for name, days in (("kernel-1.o", 91), ("kernel-2.o", 89), ("kernel-3.77", 91), ("a.pyc", 999)):
+        (folder / name).write_bytes(b"")
+        old = time.time() - days * DAY
+        os.utime(folder / name, (old, old))
+    first_use.compile_and_keep()
+    assert {f.name for f in folder.iterdir()} == {file.name, "kernel-2.o", "a.pyc"}
+
+
+def test_what_is_loaded_is_dated_anew(begun):
+    _, files, _ = begun
+    files[1].write_bytes(whole(b"a", b"b"))
+    os.utime(files[1], (0, 0))
+    assert first_use.kernel() == ("a", b"b")
+    assert files[1].stat().st_mtime > time.time() - DAY
+
+
 def test_a_start_needs_no_numba():
     code = (
         "import sys\n"
@@ -150,3 +188,21 @@ def test_machine_code_is_a_function_of_addresses():
     place = ctypes.c_double()
     machine.loaded(name, code)(ctypes.addressof(place), *range(2, 1 + machine.WHOLES), 0.25)
     assert place.value == 0.25 * sum(range(2, 1 + machine.WHOLES))
+
+
+def test_code_that_has_not_the_function_is_refused():
+    _, code = object_file(_writes, machine.WHOLES)
+    with pytest.raises(LookupError, match="has no function nothing"):
+        machine.loaded("nothing", code)
+
+
+def _cannot(a, b, c, d, e, f, g, h, i, j, k, m, n, o, p, q, r, s, factor):
+    return a + "text"  # numba has no such sum
+
+
+@pytest.mark.parametrize("before", [0, 1])
+def test_the_setting_is_as_it_was_after_what_cannot_be_compiled(monkeypatch, before):
+    monkeypatch.setattr(config, "SLP_VECTORIZE", before)
+    with pytest.raises(errors.TypingError):
+        object_file(_cannot, machine.WHOLES)
+    assert before == config.SLP_VECTORIZE

@@ -7,8 +7,10 @@ import zoh
 from zoh.analysis.asked import missed
 from zoh.batch import bounds
 from zoh.batch.figures import BY_NAME, FIGURES
+from zoh.batch.job import Job
 from zoh.batch.result import _undominated
 from zoh.batch.summary import Extremes, Summary
+from zoh.batch.units import unit_and_name
 
 ARM = zoh.Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
 WC, PM = np.linspace(0.2, 4.0, 9), [40.0, 60.0]
@@ -158,6 +160,51 @@ def test_the_dataset_of_a_grid_has_its_axes_and_units(swept, tmp_path):
             write(str(tmp_path / ("a.nc" if write == swept.to_netcdf else "a.zarr")))
 
 
+JOINT = zoh.Joint(torque_constant=0.5, resistance=2.0, motor_inertia=0.25)
+COLUMNS = [
+    (ARM, "p", {"wc": 0.5, "pm_deg": 45}),
+    (ARM, "pi", {"wc": 0.5, "pm_deg": 40, "setpoint_weight": 0.5}),
+    (ARM, "pd", {"wc": 1.5, "pm_deg": 50, "filter_pole": 30.0, "derivative_weight": 0.0}),
+    (ARM, "pid", {"wc": 1.5, "pm_deg": 50, "ki": 0.5}),
+    (ARM, "pid", {"wc": 1.5, "pm_deg": 50, "ti_td": 4.0}),
+    (ARM, "lag", {"wc": 0.5, "pm_deg": 40, "dc_gain": 10.0}),
+    (ARM, "leadlag", {"wc": 1.5, "pm_deg": 50, "dc_gain": 10.0, "lag_corner": 0.1}),
+    (ARM, "leadlag", {"wc": 1.5, "pm_deg": 50, "dc_gain": 10.0, "lag_ratio": 5.0}),
+    (zoh.Roots(zeros=[-3.0], poles=[0, -0.7], gain=2.0), "pi", {"wc": 0.3, "pm_deg": 40}),
+    (zoh.Geared(joint=JOINT), "pd", {"wc": 1.5, "pm_deg": 50}),
+]
+
+
+@pytest.mark.parametrize(("plant", "law", "given"), COLUMNS)
+def test_every_variable_has_a_unit_and_a_long_name(plant, law, given):
+    pytest.importorskip("xarray")
+    job = Job(plant=plant, law=law, asked=given, dt=0.1)
+    over = zoh.Rows(values={k: [job.value(k)] for k in job.keys() if job.value(k) is not None})
+    found = zoh.sweep(plant, law, given, over=over, arithmetic="single").dataset
+    assert set(given) | {"dt", "dead_time", "ms", "stable", "reason"} <= set(found.variables)
+    for name, variable in found.variables.items():
+        assert variable.attrs["units"], name
+        assert variable.attrs["long_name"] not in ("", name), name
+
+
+@pytest.mark.parametrize(
+    ("plant", "units"),
+    [
+        # G has the unit output/input, s that of 1/s, and den[0] none
+        (zoh.Plant(num=[2.0, 3.0], den=[1.5, 0.7, 0.2, 0]),
+         {"gain": "output/input/s^2", "num.0": "output/input/s^2", "num.1": "output/input/s^3",
+          "den.0": "1", "den.1": "1/s", "den.3": "1/s^3"}),
+        (zoh.Plant(num=[2.0, 3.0], den=[1.0, 0.5]),
+         {"gain": "output/input", "num.0": "output/input", "num.1": "output/input/s"}),
+        (zoh.Roots(zeros=[-3.0], poles=[0, -0.7], gain=2.0),
+         {"gain": "output/input/s", "zero.0": "rad/s", "pole.1": "rad/s"}),
+        (zoh.Geared(joint=JOINT), {"joint.back_emf": "V s/rad", "joint.load_inertia": "kg m^2"}),
+    ],
+)  # fmt: skip
+def test_units_of_a_plant_s_numbers_by_hand(plant, units):
+    assert {key: unit_and_name(f"plant.{key}", plant)[0] for key in units} == units
+
+
 def test_a_sample_has_one_axis():
     pytest.importorskip("xarray")
     spreads = {"plant.gain": zoh.Normal(mean=2.3, sd=0.1)}
@@ -175,6 +222,21 @@ def test_a_controller_that_is_given_stays_as_it_is_at_another_sample_time():
     assert found["ms"].tolist() == [d.margins.ms, zoh.verify(ARM, again).margins.ms]
 
 
+def test_a_sample_time_that_varies_is_each_row_s_own():
+    """The first row is no worse than the others, and none decides for another."""
+    dts = [-0.1, 0.0, 0.1, 0.05, 1e9]
+    found = zoh.sweep(ARM, "pd", {"wc": 2.0, "pm_deg": 60}, over={"dt": dts})
+    reasons = [zoh.Reason(code).name for code in found["reason"]]
+    assert reasons == ["MALFORMED", "MALFORMED", "OK", "OK", "BEYOND_NYQUIST"]
+    for i in (2, 3):
+        assert found["ms"][i] == zoh.pd(ARM, dt=dts[i], wc=2.0, pm_deg=60).margins.ms
+    backwards = zoh.sweep(ARM, "pd", {"wc": 2.0, "pm_deg": 60}, over={"dt": dts[::-1]})
+    assert found["ms"].tolist()[2:4] == backwards["ms"].tolist()[1:3][::-1]
+    d = zoh.pd(ARM, dt=0.1, wc=2.0, pm_deg=60)
+    given = zoh.sweep(ARM, "given", controller=d.controller, over={"dt": [-1.0, 0.1]})
+    assert given["reason"].tolist() == [zoh.Reason.MALFORMED, zoh.Reason.OK]
+
+
 @pytest.mark.parametrize(
     ("changes", "argument"),
     [
@@ -185,6 +247,9 @@ def test_a_controller_that_is_given_stays_as_it_is_at_another_sample_time():
         ({"over": zoh.Random(spreads={"wc": zoh.Uniform(low=1, high=2)}, count=10**9)}, "over"),
         ({"requirements": zoh.Requirements(noise_gain=1.0)}, "requirements.noise_gain"),
         ({"plant": 1.0}, "plant"),
+        ({"sections": [3]}, "sections[0]"),
+        ({"sections": zoh.notch(w0=9.0)}, "sections"),
+        ({"client": "tcp://127.0.0.1:8786"}, "client"),
     ],
 )
 def test_a_malformed_sweep_is_refused_in_one_line(changes, argument):

@@ -68,6 +68,10 @@ def test_a_plant_on_which_it_is_unstable_is_named():
         (GIVEN, {"wc": [1.0]}, "over"),
         (GIVEN, {"dt": [0.1]}, "over"),
         ({"wc": 1.0}, {"plant.gain": [1.0]}, "pm_deg"),
+        ({"wc": "a", "pm_deg": 50}, {"plant.gain": [1.0]}, "wc"),
+        ({"wc": [1.0, "a"], "pm_deg": 50}, {"plant.gain": [1.0]}, "wc"),
+        ({"wc": 1.0, "pm_deg": None}, {"plant.gain": [1.0]}, "pm_deg"),
+        ([("wc", 1.0)], {"plant.gain": [1.0]}, "given"),
         ({"wc": 1.0, "pm_deg": 170}, {"plant.gain": [1.0]}, "given"),
     ],
 )

@@ -11,6 +11,7 @@ from benchmarks.sweep import equal
 import zoh
 from zoh.batch import single
 from zoh.batch.arrays import run as arrays
+from zoh.batch.blocks import computed
 from zoh.batch.job import Job
 from zoh.batch.reason import Reason
 
@@ -49,7 +50,7 @@ def assert_same(found, truth, columns):
 @pytest.mark.parametrize(("plant", "law", "late"), CASES)
 def test_arrays(plant, law, late):
     job, columns = spread(plant, law, late)
-    assert arrays.covers(job)
+    assert not arrays.lacks(job)
     assert_same(arrays.run(job, columns), single.run(job, columns), columns)
 
 
@@ -74,7 +75,7 @@ def test_two_crests_that_are_nearly_as_high_and_one_that_leaves_the_band(seed):
 def test_a_plant_that_answers_at_once_is_not_covered():
     through = zoh.Plant(num=[0.5, 1, 2], den=[1, 3, 2])
     asked = {"wc": 0.5, "pm_deg": 60}
-    assert not arrays.covers(Job(plant=through, law="pi", asked=asked, dt=0.1, varying=("dt",)))
+    assert arrays.lacks(Job(plant=through, law="pi", asked=asked, dt=0.1, varying=("dt",)))
 
 
 def test_most_loops_are_not_left_to_the_single_design():
@@ -95,6 +96,41 @@ def test_what_is_out_of_range_is_malformed_and_the_rest_is_not_disturbed():
     names = [Reason(r).name for r in found["reason"]]
     assert names == ["OK", "MALFORMED", "MALFORMED", "BEYOND_NYQUIST"]
     assert found["phase_margin_deg"][0] == pytest.approx(40, abs=1e-9)
+
+
+FAR = [5e-324, 1e-200, 1e-60, 1e-25, 1e-12, 1e12, 1e25, 1e60, 1e200, 1.7e308, 0.0, -1.0, -1e200]
+ABSURD = {
+    "pi": ({"wc": 0.5, "pm_deg": 40}, None),
+    "pd": ({"wc": 1.5, "pm_deg": 50, "filter_pole": 30}, None),
+    "pid": ({"wc": 1.5, "pm_deg": 50, "ki": 0.5}, None),
+    "lag": ({"wc": 0.5, "pm_deg": 40, "dc_gain": 10}, None),
+    "given": ({}, zoh.Sampled(num=[3.0, -2.9], den=[1, -0.9], dt=0.1)),
+}
+
+
+@pytest.mark.parametrize("law", ABSURD)
+@pytest.mark.parametrize("way", ["arrays", "compiled"])
+def test_of_absurd_numbers_all_say_the_same(way, law):
+    """A power of them is no float any more; what says so is one and the same verdict."""
+    if way == "compiled":
+        pytest.importorskip("numba", reason="the compiled arithmetic needs numba: zoh[fast]")
+    asked, controller = ABSURD[law]
+    ordinary = {"dt": 0.1, "compute_delay": 0.0, "plant.gain": 2.3, "plant.den.0": 1.0,
+                "plant.den.1": 0.7809, **asked}  # fmt: skip
+    # a margin of next to nothing swings for a million samples, which is the single design's to say
+    rows = [(key, far) for key in ordinary for far in FAR if key != "pm_deg" or far in (-1.0, 1e12)]
+    columns = {key: np.full(len(rows), value, float) for key, value in ordinary.items()}
+    for i, (key, far) in enumerate(rows):
+        columns[key][i] = far
+    job = Job(
+        plant=PLANTS["arm"], law=law, asked=asked, controller=controller, varying=tuple(columns)
+    )
+    found, truth = computed(job, columns, way), single.run(job, columns)
+    assert_same(found, truth, columns)
+    reasons = {Reason(code).name for code in truth["reason"]}
+    assert {"OK", "MALFORMED"} <= reasons
+    with_figures = np.array([Reason(code).has_figures for code in found["reason"]])
+    assert np.array_equal(~np.isnan(found["ms"]), with_figures)
 
 
 def test_threads_and_chunks_change_no_bit():

@@ -130,6 +130,26 @@ def test_a_worker_with_another_version_is_refused():
         replace(task, told_by="zoh 0.0.1, numpy 1").done()
 
 
+@pytest.mark.parametrize("client", ["tcp://127.0.0.1:8786", 3, object()])
+def test_what_is_no_client_is_refused_before_the_work(client, tmp_path):
+    path = tmp_path / "a.zarr"
+    for ask in (
+        lambda: zoh.sweep(ARM, "pi", {"pm_deg": 40}, dt=0.1, over={"wc": [0.5]}, client=client),
+        lambda: sweep_summary(JOB, space(4), client=client),
+        lambda: sweep_to(str(path), JOB, space(4), client=client),
+    ):
+        with pytest.raises(zoh.SpecError, match=r"client must be a dask.distributed.Client, got "):
+            ask()
+    assert not path.exists()
+
+
+def test_a_client_that_is_closed_is_refused(cluster):
+    client, _ = cluster
+    client.close()
+    with pytest.raises(zoh.SpecError, match="client must be connected, and not asynchronous"):
+        sweep_summary(JOB, space(4), client=client)
+
+
 def test_no_scheduler_is_said_in_one_line():
     with pytest.raises(zoh.SpecError, match="scheduler must answer at its address"):
         connected("tcp://127.0.0.1:9")

@@ -17,6 +17,7 @@ import numpy as np
 from zoh.analysis.loop import Array
 
 _CONVERGED = 1e-11  # of the interval: Newton's next step would be its square
+_STEPS = 6  # of Newton from the middle: where they do not reach the top the bound is only looser
 _NARROW = 2.0**-40  # of the interval: two crossings as near as that are a touch
 
 
@@ -111,6 +112,37 @@ class Piece:
             else:
                 t = (low + high) / 2
         return t
+
+
+def highest_bounds(a: Array) -> Array:
+    """Return upper bounds on [0, 1] of many polynomials, a column each, ascending powers.
+
+    One that is concave is below each of its tangents, of which the one at its top is level; of any
+    other it is the largest Bernstein coefficient.
+
+    >>> highest_bounds(np.array([[0.0], [1.0], [-1.0]]))  # t - t^2; its coefficients reach 0.5
+    array([0.25])
+    """
+    loose: Array = bernstein(len(a)).dot(a).max(axis=0)
+    if len(a) < 3:
+        return loose
+    first = a[1:] * np.arange(1.0, len(a))[:, None]
+    second = first[1:] * np.arange(1.0, len(first))[:, None]
+    concave = (bernstein(len(second)).dot(second) < 0).all(axis=0)
+    t = np.full(a.shape[1], 0.5)
+    for _ in range(_STEPS):
+        bend = np.where(concave, _horner(second, t), -1.0)
+        t = np.clip(t - _horner(first, t) / bend, 0.0, 1.0)
+    slope = _horner(first, t)
+    tangent = _horner(a, t) + np.maximum(slope * (1 - t), -slope * t)
+    return np.where(concave, np.minimum(tangent, loose), loose)
+
+
+def _horner(a: Array, t: Array) -> Array:
+    total = np.zeros_like(t)
+    for row in a[::-1]:
+        total = total * t + row
+    return total
 
 
 def _brackets(

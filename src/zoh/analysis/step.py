@@ -40,6 +40,9 @@ def step_info(system: Plant | Sampled) -> StepInfo:
     >>> step_info(Sampled(num=[0.5], den=[1, -1], dt=1.0)).stable
     False
     """
+    if not isinstance(system, Plant | Sampled):
+        way_out = "a table shows no step; of coefficients make one first"
+        raise SpecError("system", "must be a zoh.Plant or zoh.Sampled", system, way_out)
     loop = Loop.of(system)
     if not hurwitz_floats(loop.den):
         return StepInfo(stable=False)

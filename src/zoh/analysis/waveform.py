@@ -14,9 +14,11 @@ import numpy as np
 from zoh.analysis.filling import filled, wanted
 from zoh.analysis.loop import Array
 from zoh.analysis.motion import Indices, Motion, Track
-from zoh.analysis.pieces import Piece, bernstein
+from zoh.analysis.pieces import Piece, bernstein, highest_bounds
 
 _ROUNDING = 1e-14  # of the largest output: what exceeds by less does not exceed
+_MANY = 64  # samples to look into one by one; of more the bounds are first made tighter
+_AT_ONCE = 1 << 16  # samples
 _CELLS = 4_000_000  # numbers bounded at once
 
 
@@ -92,6 +94,9 @@ class Waveform:
         rounding = _ROUNDING * max(float(self.y[self.top]), -float(self.y[self.bottom]))
         bound = self._bound(sign)
         rows = (bound > value + rounding).nonzero()[0]
+        if len(rows) > _MANY:
+            bound = self._tightened(bound, rows, sign)
+            rows = (bound > value + rounding).nonzero()[0]
         if len(rows) > 1:
             rows = rows[(-bound[rows]).argsort(kind="stable")]
         for i in rows.tolist():
@@ -154,6 +159,15 @@ class Waveform:
     def _bound(self, sign: float) -> Array:
         """Return the upper bound of sign * y from each sample to the next."""
         return self.high if sign > 0 else -self.low
+
+    def _tightened(self, bound: Array, rows: Indices, sign: float) -> Array:
+        """Return the bounds with those of some rows nearer to what they bound."""
+        out = bound.copy()
+        for some in np.array_split(rows, -(-len(rows) // _AT_ONCE)):
+            states = sign * self.states[:, some]
+            of_each = [highest_bounds(part.rows.dot(states)) for part in self.motion.stretches]
+            out[some] = np.max(of_each, axis=0)
+        return out
 
     def _pieces(self, i: int, sign: float) -> list[tuple[float, float, Piece]]:
         """Return (begin, span, polynomial) of the stretches of row i's sample, times ``sign``."""

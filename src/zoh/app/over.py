@@ -22,11 +22,11 @@ _SPREADS = "FROM:TO, FROM:TO:log or MEAN~SD"
 
 
 def read_over(
-    texts: Sequence[str], *, sample: int | None, seed: int, latin: bool, ends: bool
+    texts: Sequence[str], *, sample: int | None, seed: int | None, latin: bool, ends: bool
 ) -> Space:  # fmt: skip
     """Return the grid, the corners or the random sample that the texts say.
 
-    >>> read_over(["wc=1:2:3", "dt=0.1"], sample=None, seed=0, latin=False, ends=False).shape
+    >>> read_over(["wc=1:2:3", "dt=0.1"], sample=None, seed=None, latin=False, ends=False).shape
     (3, 1)
     """
     given = dict(_split(text) for text in texts)
@@ -36,9 +36,11 @@ def read_over(
         if ends:
             raise SpecError("--corners", "must not stand beside --sample", sample, "choose one")
         spreads = {key: _spread(key, said) for key, said in given.items()}
-        return Random(spreads=spreads, count=sample, seed=seed, latin=latin)
-    if latin:
-        raise SpecError("--latin", "must stand beside --sample", "none", "say how many: --sample N")
+        return Random(spreads=spreads, count=sample, seed=seed or 0, latin=latin)
+    for option, value in (("--latin", latin or None), ("--seed", seed)):
+        if value is not None:
+            way_out = "say how many: --sample N"
+            raise SpecError(option, "must stand beside --sample", value, way_out)
     if ends:
         return corners({key: _spread(key, said) for key, said in given.items()})
     return Grid(axes={key: _values(key, said) for key, said in given.items()})

@@ -13,9 +13,10 @@ from zoh.batch.figures import FIGURES
 from zoh.batch.job import Job, refuse_weights
 from zoh.batch.reason import Reason
 from zoh.batch.result import Sweep
+from zoh.batch.saved import refuse_netcdf, refuse_zarr
 from zoh.batch.sources import nominal_plant
 from zoh.batch.space import Random, Space
-from zoh.batch.stream import refuse_netcdf, sweep_to
+from zoh.batch.stream import sweep_to
 from zoh.batch.summary import Summary
 from zoh.batch.sweep import sweep_of, sweep_summary
 from zoh.batch.workers import Progress
@@ -107,9 +108,9 @@ def _swept(
         "client": options.client, "progress": progress,
     }  # fmt: skip
     held = None
-    if options.out is not None and options.out.endswith(NETCDF):
-        refuse_netcdf(options.out)  # not after the work
     if options.held or (options.out or "").endswith(NETCDF):
+        if options.out is not None:  # not after the work
+            (refuse_zarr if options.out.endswith(ZARR) else refuse_netcdf)(options.out)
         held = sweep_of(job, space, **more)
         if options.out is not None:
             (held.to_zarr if options.out.endswith(ZARR) else held.to_netcdf)(options.out)

@@ -7,9 +7,10 @@ from matplotlib.figure import Figure
 
 from zoh.batch.bounds import RULES
 from zoh.batch.figures import BY_NAME
-from zoh.batch.labelled import attributes
 from zoh.batch.result import Sweep
+from zoh.batch.sources import Source
 from zoh.batch.space import Grid
+from zoh.batch.units import unit_and_name
 from zoh.report.document import drawn
 from zoh.report.figures import render
 from zoh.report.sweep import Axis, bands, line, value_map
@@ -42,7 +43,10 @@ def drawn_of(sweep: Sweep, name: str) -> Iterator[tuple[str, Figure]]:
         values = sweep.results[shown].astype(np.float64, copy=False)
         if not np.isfinite(values).any():
             continue
-        value = Axis(values=np.where(np.isfinite(values), values, np.nan), label=_label(shown))
+        value = Axis(
+            values=np.where(np.isfinite(values), values, np.nan),
+            label=_label(shown, sweep.job.plant),
+        )
         title = f"{name}: {BY_NAME[shown].long_name}"
         if isinstance(sweep.space, Grid) and len(axes) == 2:
             grid = Axis(
@@ -53,7 +57,7 @@ def drawn_of(sweep: Sweep, name: str) -> Iterator[tuple[str, Figure]]:
             yield shown, line(axes[0], value, bound=bound.get(shown), title=title)
         else:
             for key, column in sweep.columns.items():
-                x = Axis(values=column, label=_label(key))
+                x = Axis(values=column, label=_label(key, sweep.job.plant))
                 over = f"{title} over {key}"
                 yield f"{shown} over {key}", bands(x, value, bound=bound.get(shown), title=over)
 
@@ -63,7 +67,11 @@ def _axes(sweep: Sweep) -> list[Axis]:
     if not isinstance(sweep.space, Grid):
         return []
     values = {key: np.asarray(axis) for key, axis in sweep.space.axes.items()}
-    return [Axis(values=v, label=_label(key)) for key, v in values.items() if len(v) > 1]
+    return [
+        Axis(values=v, label=_label(key, sweep.job.plant))
+        for key, v in values.items()
+        if len(v) > 1
+    ]
 
 
 def _bounds(sweep: Sweep) -> Mapping[str, float]:
@@ -72,7 +80,6 @@ def _bounds(sweep: Sweep) -> Mapping[str, float]:
     return {column: bound for column, bound in asked.items() if bound is not None}
 
 
-def _label(name: str) -> str:
-    about = attributes(name)
-    unit = about.get("units", "1")
-    return about["long_name"] if unit == "1" else f"{about['long_name']}, {unit}"
+def _label(name: str, plant: Source) -> str:
+    unit, long_name = unit_and_name(name, plant)
+    return long_name if unit == "1" else f"{long_name}, {unit}"

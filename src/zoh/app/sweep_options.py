@@ -12,7 +12,7 @@ def declare(parser: ArgumentParser) -> None:
         "plant.gain=2:3, plant.gain=2:3:log, plant.gain=2.5~0.1",
     )  # fmt: skip
     add("--sample", metavar="N", type=int, help="N random loops instead of a grid")
-    add("--seed", metavar="S", type=int, default=0, help="the same seed, the same sample (0)")
+    add("--seed", metavar="S", type=int, help="the same seed, the same sample (0)")
     add("--latin", action="store_true", help="the sample is a Latin hypercube")
     add("--corners", action="store_true", help="the ends of every interval")
     add(

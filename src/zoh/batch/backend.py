@@ -1,6 +1,6 @@
 """Which arithmetic computes a batch: one table of ways, and one rule that chooses from it.
 
-A way is a module with ``run(job, columns)`` and ``covers(job)``. All of them give the same
+A way is a module with ``run(job, columns)`` and ``lacks(job)``. All of them give the same
 columns; they differ in what they cover, in what must be installed, and in how many loops pay for
 their start. The single design covers every job, so there always is one.
 """
@@ -44,9 +44,9 @@ class Way:
         """Return whether what it needs is there."""
         return self.needs is None or find_spec(self.needs) is not None
 
-    def covers(self, job: Job) -> bool:
-        """Return whether it can compute this job."""
-        return cast(Callable[[Job], bool], import_module(self.module).covers)(job)
+    def lacks(self, job: Job) -> str:
+        """Return what of this job it cannot compute, "" where it can compute all of it."""
+        return cast(Callable[[Job], str], import_module(self.module).lacks)(job)
 
     def run(self, job: Job, columns: Columns) -> Results:
         """Return the columns of results of a batch."""
@@ -93,8 +93,8 @@ def choose(job: Job, loops: int, name: str | None = None) -> Choice:
             passed.append(f"{way.name} pays from {way.least} loops on")
         elif not way.installed:
             passed.append(f"{way.name} needs {way.needs}: pip install 'zoh[fast]' brings it")
-        elif not way.covers(job):
-            passed.append(f"{way.name} does not cover this job")
+        elif lacking := way.lacks(job):
+            passed.append(f"{way.name} has no arithmetic for {lacking}")
         else:
             return _said(way, passed)
     return _said(WAYS[-1], passed)
@@ -119,6 +119,7 @@ def _named(job: Job, name: str) -> Way:
     if not way.installed:
         way_out = "pip install 'zoh[fast]' brings it"
         raise SpecError("arithmetic", f"must have {way.needs} installed", name, way_out)
-    if not way.covers(job):
-        raise SpecError("arithmetic", "must cover the job", name, "leave it out, or take single")
+    if lacking := way.lacks(job):
+        bound = f"must be one that has an arithmetic for {lacking}"
+        raise SpecError("arithmetic", bound, name, "leave it out, or take single")
     return way

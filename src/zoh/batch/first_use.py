@@ -20,6 +20,8 @@ from zoh.batch.compiled import machine
 from zoh.batch.job import Job
 from zoh.lti.systems import Plant
 
+_STEM = "kernel-"
+_SEASON = 90 * 86400.0  # s
 _COMMAND = "from zoh.batch import first_use; first_use.{}"
 
 
@@ -35,15 +37,15 @@ def kernel() -> machine.Kernel:
 @cache
 def _kernel() -> machine.Kernel:
     if found := _kept():
-        return machine.loaded(*found)
+        return found
     sys.stderr.write("zoh: compiling the fast arithmetic, once: some two minutes ...\n")
-    made = _kept() if _in_another_process("compile_and_keep()") else None
-    sys.stderr.write("zoh: compiled\n" if made else "zoh: compiling here instead\n")
-    if made is None:
-        from zoh.batch.compiled.kernel import machine_code
+    if _in_another_process("compile_and_keep()") and (found := _kept()):
+        sys.stderr.write("zoh: compiled\n")
+        return found
+    sys.stderr.write("zoh: compiling here instead\n")
+    from zoh.batch.compiled.kernel import machine_code
 
-        made = machine_code()
-    return machine.loaded(*made)
+    return machine.loaded(*machine_code())
 
 
 def compile_and_keep() -> None:
@@ -62,6 +64,21 @@ def compile_and_keep() -> None:
         made.replace(wanted)
     finally:
         made.unlink(missing_ok=True)
+    _forget_older(wanted)
+
+
+def _forget_older(new: Path) -> None:
+    """Remove the code beside a new file that nobody has loaded for a season.
+
+    Each start that loads a file dates it anew, so what other versions, numbas or processors that
+    share the folder still use stays. Where one is removed after all (whoever loads it may not write
+    it), a process that has loaded it has it in memory, and the next start compiles it again. An age
+    is that against the new file: no clock is read.
+    """
+    for old in new.parent.glob(f"{_STEM}*"):
+        with suppress(OSError):  # another process may remove it, too, or own it
+            if new.stat().st_mtime - old.stat().st_mtime > _SEASON:
+                old.unlink()
 
 
 def try_it(made: str) -> None:
@@ -83,9 +100,16 @@ def _in_another_process(call: str) -> bool:
     return done.returncode == 0
 
 
-def _kept() -> tuple[str, bytes] | None:
-    """Return (name, code) of a file that is there and whole."""
-    return next((found for file in _files() if (found := _read(file))), None)
+def _kept() -> machine.Kernel | None:
+    """Return the function of a file that is there and whole, and date the file anew."""
+    for file in _files():
+        with suppress(LookupError):  # its code is another's: made again
+            if found := _read(file):
+                loaded = machine.loaded(*found)
+                with suppress(OSError):
+                    os.utime(file)
+                return loaded
+    return None
 
 
 def _read(file: Path) -> tuple[str, bytes] | None:
@@ -118,7 +142,7 @@ def _files() -> tuple[Path, ...]:
     folders = [here / "__pycache__"]
     with suppress(RuntimeError):
         folders.append(Path.home() / ".cache" / "zoh")
-    return tuple([folder / f"kernel-{of}.o" for folder in folders])
+    return tuple([folder / f"{_STEM}{of}.o" for folder in folders])
 
 
 def _may_write(folder: Path) -> bool:

@@ -1,13 +1,13 @@
 """What one loop of a batch is, and which of its numbers vary from loop to loop."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from zoh import checks
 from zoh.analysis.results import Gains
 from zoh.batch import sources
 from zoh.batch.sources import Source
-from zoh.design.sections import SecondOrder
+from zoh.design.sections import SecondOrder, listed
 from zoh.errors import SpecError
 from zoh.lti.sampled import sample_time
 from zoh.lti.systems import Plant, Sampled
@@ -27,7 +27,7 @@ class Job:
     asked          the law's parameters by name (wc in rad/s, pm_deg, ki, dc_gain, ...); one that
                    varies need not be there
     controller     of a job that is "given": its coefficients in z, run at whatever dt is
-    dt             s, sample time;  compute_delay  s, from sampling to output
+    dt             s, sample time, None where it varies;  compute_delay  s, from sampling to output
     reference      the step asked of the loop, in the units that the controller compares
     sections       fixed second-order sections in series with the law
     varying        the keys of what varies, in the order of their columns
@@ -45,24 +45,27 @@ class Job:
 
     plant: Source
     law: str
-    dt: float
+    dt: float | None = None
     asked: Mapping[str, float] = field(default_factory=dict)
     controller: Sampled | None = None
     compute_delay: float = 0.0
     reference: float = 1.0
-    sections: tuple[SecondOrder, ...] = ()
+    sections: Sequence[SecondOrder] = ()
     varying: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         put = object.__setattr__
         sources.checked(self.plant)
-        put(self, "dt", sample_time(self.dt))
+        put(self, "varying", tuple(self.varying))
+        if self.dt is not None:
+            put(self, "dt", sample_time(self.dt))
+        elif "dt" not in self.varying:
+            raise SpecError("dt", "must be given or vary", None, "the sample time in seconds")
         put(self, "compute_delay", checks.not_negative("compute_delay", self.compute_delay))
         put(self, "reference", checks.number("reference", self.reference))
         if self.reference == 0:
             raise SpecError("reference", "must not be 0", 0.0, "a step of 0 shows nothing")
-        put(self, "sections", tuple(self.sections))
-        put(self, "varying", tuple(self.varying))
+        put(self, "sections", listed(self.sections))
         self._check_law()
         self._check_varying()
         put(self, "asked", self._checked_asked())
@@ -76,16 +79,19 @@ class Job:
         return tuple(self._values())
 
     @property
+    def clock(self) -> dict[str, float]:
+        """Return the times in s that are given; one that varies need not be."""
+        delays = {"compute_delay": self.compute_delay, "dead_time": self.plant.dead_time}
+        return delays if self.dt is None else {"dt": self.dt, **delays}
+
+    @property
     def law_keys(self) -> tuple[str, ...]:
         """Return the parameters that the law takes, those it can do without included."""
         return LAWS.get(self.law, ()) + OPTIONS.get(self.law, ())
 
     def _values(self) -> dict[str, float | None]:
-        clock = {
-            "dt": self.dt, "compute_delay": self.compute_delay, "dead_time": self.plant.dead_time
-        }  # fmt: skip
         law = {name: self.asked.get(name) for name in self.law_keys}
-        return {**clock, **law, **sources.nominal(self.plant)}
+        return {"dt": None, **self.clock, **law, **sources.nominal(self.plant)}
 
     def _check_law(self) -> None:
         if self.law not in (*LAWS, GIVEN):

@@ -10,11 +10,12 @@ import numpy as np
 
 import zoh
 from zoh.batch.extras import needed
-from zoh.batch.figures import BY_NAME
 from zoh.batch.job import Job
 from zoh.batch.reason import Reason
 from zoh.batch.result import Sweep
+from zoh.batch.sources import Source
 from zoh.batch.space import Grid
+from zoh.batch.units import unit_and_name
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -22,37 +23,20 @@ if TYPE_CHECKING:
 LOOP = "loop"
 """The dimension of what is no grid."""
 
-_UNITS = {
-    "dt": "s", "compute_delay": "s", "dead_time": "s", "wc": "rad/s", "pm_deg": "deg",
-    "filter_pole": "rad/s", "w0": "rad/s", "wp": "rad/s", "lag_corner": "rad/s",
-}  # fmt: skip
-_NAMES = {
-    "dt": "sample time", "compute_delay": "delay from sampling to output",
-    "dead_time": "dead time of the plant", "wc": "crossover asked for",
-    "pm_deg": "phase margin asked for", "ki": "integral gain", "kp": "proportional gain",
-    "kd": "derivative gain", "dc_gain": "gain at w = 0",
-}  # fmt: skip
 
-
-def attributes(name: str) -> dict[str, Any]:
+def attributes(name: str, plant: Source) -> dict[str, Any]:
     """Return the attributes of a column, whichever it is.
 
-    >>> attributes("ms")
+    >>> from zoh.lti.systems import Plant
+    >>> attributes("ms", Plant(num=[1], den=[1, 0]))
     {'long_name': 'peak of the sensitivity, Ms', 'units': '1'}
     """
-    if name in BY_NAME:
-        return {"long_name": BY_NAME[name].long_name, "units": BY_NAME[name].unit}
-    if name == "stable":
-        return {"long_name": "whether the closed loop is proved to be stable"}
+    unit, long_name = unit_and_name(name, plant)
+    found: dict[str, Any] = {"long_name": long_name, "units": unit}
     if name == "reason":
-        return {
-            "long_name": "why a loop has figures or has none",
-            "flag_values": [int(reason) for reason in Reason],
-            "flag_meanings": " ".join(reason.name.lower() for reason in Reason),
-        }
-    short = name.removeprefix("gains.")
-    units = {"units": _UNITS[short]} if short in _UNITS else {}
-    return {"long_name": _NAMES.get(short, name), **units}
+        found["flag_values"] = [int(reason) for reason in Reason]
+        found["flag_meanings"] = " ".join(reason.name.lower() for reason in Reason)
+    return found
 
 
 def described(job: Job) -> dict[str, str]:
@@ -67,15 +51,19 @@ def described(job: Job) -> dict[str, str]:
 def dataset(sweep: Sweep) -> "Dataset":
     """Return the sweep as a Dataset: a grid has an axis for each key, all else the axis "loop"."""
     xarray = needed("xarray", "a labelled result")
-    space = sweep.space
+    space, plant = sweep.space, sweep.job.plant
     if isinstance(space, Grid):
         dims, shape = space.keys, space.shape
-        coords = {key: (key, np.array(axis), attributes(key)) for key, axis in space.axes.items()}
+        coords = {
+            key: (key, np.array(axis), attributes(key, plant)) for key, axis in space.axes.items()
+        }
     else:
         dims, shape = (LOOP,), (len(sweep),)
-        coords = {key: (LOOP, column, attributes(key)) for key, column in sweep.columns.items()}
+        coords = {
+            key: (LOOP, column, attributes(key, plant)) for key, column in sweep.columns.items()
+        }
     variables = {
-        name: (dims, column.reshape(shape), attributes(name))
+        name: (dims, column.reshape(shape), attributes(name, plant))
         for name, column in sweep.results.items()
     }
     about = {**described(sweep.job), "computed_by": sweep.computed_by}

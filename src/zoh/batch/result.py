@@ -139,13 +139,13 @@ class Sweep:
 
     def to_netcdf(self, path: str) -> None:
         """Write the dataset to a new netCDF 4 file."""
-        from zoh.batch.stream import write_netcdf
+        from zoh.batch.saved import write_netcdf
 
         write_netcdf(self.dataset, path)
 
     def to_zarr(self, path: str) -> None:
         """Write the dataset to a new Zarr store."""
-        from zoh.batch.stream import write_zarr
+        from zoh.batch.saved import write_zarr
 
         write_zarr(self.dataset, path)
 

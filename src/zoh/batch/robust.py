@@ -12,6 +12,7 @@ from math import inf
 
 import numpy as np
 
+from zoh import checks
 from zoh.analysis.verify import NOTHING_ASKED, Measured, Verified
 from zoh.batch import backend, bounds
 from zoh.batch.blocks import computed
@@ -81,15 +82,16 @@ def robust(
     (60.0, 2.8)
     """
     space = as_space(over)
+    tried = _tried_values(given)
     bounds.asked(requirements)
     _refuse_what_is_chosen(space)
     refuse_weights(given, "one controller over a set")
-    job = _candidates(plant, law, given, dt, compute_delay, sections, reference)
+    job = _candidates(plant, law, tried, dt, compute_delay, sections, reference)
     made = partial(
         design, nominal_plant(plant), law, dt=job.dt, sections=sections,
         compute_delay=job.compute_delay, reference=job.reference,
     )  # fmt: skip
-    combinations = _that_can(job, given)
+    combinations = _that_can(job, tried)
     found = [
         (asked, evidence, _over(plant, evidence, space, requirements, arithmetic))
         for asked in combinations
@@ -106,6 +108,13 @@ def robust(
     return Robust(design=verified, asked=asked, sweep=over_set, tried=len(combinations))
 
 
+def _tried_values(given: object) -> dict[str, FloatArray]:
+    """Return the values of each parameter that are tried; raise SpecError for what is none."""
+    if not isinstance(given, Mapping):
+        raise SpecError("given", "must name the law's parameters", given, '{"wc": [1, 2]}')
+    return {checks.text("given", key): checks.column(key, value) for key, value in given.items()}
+
+
 def _refuse_what_is_chosen(space: Space) -> None:
     """One controller is run on every plant: what varies is the machine, not the request."""
     for key in space.keys:
@@ -115,7 +124,7 @@ def _refuse_what_is_chosen(space: Space) -> None:
 
 
 def _candidates(
-    plant: Source, law: str, given: Mapping[str, float | Sequence[float]], dt: float,
+    plant: Source, law: str, given: Mapping[str, FloatArray], dt: float,
     compute_delay: float, sections: Sequence[SecondOrder], reference: float,
 ) -> Job:  # fmt: skip
     """Return the design on the plant as it stands, with all that is given to vary."""
@@ -125,11 +134,9 @@ def _candidates(
     )  # fmt: skip
 
 
-def _that_can(
-    job: Job, given: Mapping[str, float | Sequence[float]]
-) -> list[dict[str, float]]:  # fmt: skip
+def _that_can(job: Job, given: Mapping[str, FloatArray]) -> list[dict[str, float]]:
     """Return every combination of what is given that the law can be designed for."""
-    grid = Grid(axes={k: np.atleast_1d(np.asarray(v, float)) for k, v in given.items()})
+    grid = Grid(axes=given)
     columns = grid.columns(0, grid.size)
     way = backend.choose(job, grid.size).way
     good = np.flatnonzero(computed(job, columns, way.name)["reason"] == Reason.OK)

@@ -82,8 +82,8 @@ def one(job: Job, values: Mapping[str, float]) -> Outcome:
 
 
 def _one(job: Job, values: Mapping[str, float]) -> Outcome:
-    dt, delay = values.get("dt", job.dt), values.get("compute_delay", job.compute_delay)
-    late = values.get("dead_time", job.plant.dead_time)
+    clock = {**job.clock, **values}
+    dt, delay, late = clock["dt"], clock["compute_delay"], clock["dead_time"]
     changes = {key: v for key, v in values.items() if key.startswith("plant.")}
     plant = sources.plant_of(job.plant, changes, late)
     asked = {**job.asked, **{k: v for k, v in values.items() if k in job.law_keys}}
@@ -170,6 +170,6 @@ def _figure(name: str, margins: Margins, step: StepInfo, between: StepInfo) -> f
     return value
 
 
-def covers(job: Job) -> bool:
-    """Return whether the single design can do this job: it can do every job."""
-    return True
+def lacks(job: Job) -> str:
+    """Return what of this job the single design cannot do: nothing."""
+    return ""

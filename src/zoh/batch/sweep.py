@@ -14,7 +14,7 @@ from zoh.batch.result import Sweep
 from zoh.batch.sources import FloatArray, Source
 from zoh.batch.space import Space, as_space
 from zoh.batch.summary import Summary
-from zoh.batch.workers import Progress, watched
+from zoh.batch.workers import Progress, checked, watched
 from zoh.design.sections import SecondOrder
 from zoh.errors import SpecError
 from zoh.lti.systems import Sampled
@@ -57,10 +57,11 @@ def sweep(
     0.667
     """
     space = as_space(over)
-    clock = _clock(dt, controller, space)
+    if dt is None and "dt" not in space.keys and isinstance(controller, Sampled):
+        dt = controller.dt
     job = Job(
-        plant=plant, law=law, asked=given or {}, controller=controller, dt=clock,
-        compute_delay=compute_delay, reference=reference, sections=tuple(sections),
+        plant=plant, law=law, asked=given or {}, controller=controller, dt=dt,
+        compute_delay=compute_delay, reference=reference, sections=sections,
         varying=space.keys,
     )  # fmt: skip
     return sweep_of(
@@ -74,6 +75,7 @@ def sweep_of(
     arithmetic: str | None = None, client: Any = None, progress: Progress | None = None,
 ) -> Sweep:  # fmt: skip
     """Return every loop of a space, of a job that is already put together; as ``sweep`` does."""
+    checked(client)
     plan = plan_of(job, over, arithmetic, None)
     if plan.loops > MOST_IN_MEMORY:
         way_out = "zoh.sweep_to writes a longer one to disk, zoh.sweep_summary keeps no loop"
@@ -98,7 +100,9 @@ def sweep_summary(
     With a client only a block's number goes out and only its summary comes back. The answer is
     the same to the last bit on any number of workers, and where one of them is lost.
     """
+    checked(client)
     plan = plan_of(job, over, arithmetic, block)
+    bounds.asked(requirements)
     found = Summary.nothing()
     summarised = Summarised(requirements=requirements)
     for part in watched(summarised, plan, client, progress, 0, plan.loops):
@@ -125,17 +129,6 @@ def plan_of(job: Job, over: Over, arithmetic: str | None, block: int | None) -> 
     way = backend.choose(job, space.size, arithmetic).way
     size = way.block if block is None else checks.whole("block", block, 1, "65536 is usual")
     return Plan(job=job, space=space, arithmetic=way.name, block=size)
-
-
-def _clock(dt: float | None, controller: Sampled | None, space: Space) -> float:
-    """Return the sample time where it does not vary."""
-    if dt is None and controller is not None:
-        return controller.dt
-    if dt is None and "dt" in space.keys:
-        return float(space.columns(0, 1)["dt"][0])
-    if dt is None:
-        raise SpecError("dt", "must be given or vary", None, "the sample time in seconds")
-    return dt
 
 
 def _joined(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:

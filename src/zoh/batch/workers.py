@@ -22,6 +22,19 @@ _PATIENCE = 5  # s, for a scheduler to answer
 _RETRIES = 3  # of a block whose worker could not do it
 
 
+def checked(client: Any) -> None:
+    """Raise SpecError for a client that can do no work here: before there is any."""
+    if client is None:
+        return
+    distributed = needed("distributed", "a sweep over a cluster")
+    if not isinstance(client, distributed.Client):
+        way_out = "give dask.distributed.Client(address), or leave it out"
+        raise SpecError("client", "must be a dask.distributed.Client", client, way_out)
+    if client.asynchronous or client.status != "running":
+        bound = "must be connected, and not asynchronous"
+        raise SpecError("client", bound, client, "give dask.distributed.Client(address)")
+
+
 def each(
     function: Callable[[Task], T], tasks: Iterable[Task], client: Any = None
 ) -> Iterator[tuple[Task, T]]:

@@ -81,9 +81,8 @@ def notch(*, w0: float, depth: float = 0.1, width: float = 1.0) -> SecondOrder:
     return SecondOrder(zeros_w0=w0, zeros_zeta=depth * width / 2, poles_w0=w0, poles_zeta=width / 2)
 
 
-def in_series(sections: Sequence[SecondOrder], dt: float) -> Sampled | None:
-    """Return the sections' product, None where there is none; SpecError for what is no section."""
-    product: Sampled | None = None
+def listed(sections: object) -> tuple[SecondOrder, ...]:
+    """Return the sections as they are; raise SpecError for what is no list of them."""
     if not isinstance(sections, list | tuple):
         way_out = "put it in brackets: [zoh.notch(w0=...)]"
         raise SpecError("sections", "must be a list of sections", sections, way_out)
@@ -91,6 +90,13 @@ def in_series(sections: Sequence[SecondOrder], dt: float) -> Sampled | None:
         if not isinstance(section, SecondOrder):
             way_out = "zoh.notch(w0=...) or zoh.SecondOrder(...)"
             raise SpecError(f"sections[{i}]", "must be a section", section, way_out)
+    return tuple(sections)
+
+
+def in_series(sections: Sequence[SecondOrder], dt: float) -> Sampled | None:
+    """Return the sections' product, None where there is none; SpecError for what is no section."""
+    product: Sampled | None = None
+    for section in listed(sections):
         one = section.at_clock(dt)
         product = one if product is None else product * one
     return product

@@ -4,6 +4,7 @@ What floats cannot decide, or only in many steps, is left to the single design: 
 be rounding, an extreme that may touch 0, a request at the edge of what its law can do.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,9 +27,13 @@ from zoh.batch.tolerances import ON_TARGET, ROOM
 CHUNK = 2048  # loops at a time: fewer are ruled by Python's calls, more leave a core's own cache
 
 _ORDER = 6  # of the plant
+_GIVEN = 3  # of a controller that is given
+_TAKES = frozenset({"wc", "pm_deg", "ki", "dc_gain", "filter_pole"})
 _DELAYS = 4  # whole samples: each is a power in the loop and a state in its motion
 _FASTEST = 1.2  # |s| dt of a plant's poles: beyond it two crests in one sample are usual, below
 # they need three poles or more, and are rare but not excluded
+_LARGE = 1e20  # of a number, or its inverse: beyond it others' rounding says what it does
+_FAR = 1e12  # powers of |s| dt: further from 1 rounding leaves no digit of a pole near 0
 _SQUARINGS = 4  # of the poles: their sizes then differ by the 16th power, and a bound's 12 is 1.17
 
 
@@ -53,18 +58,34 @@ class Batch:
     beyond: Mask
 
 
-def covers(job: Job) -> bool:
-    """Return whether these arithmetics can do the job.
+def lacks(job: Job) -> str:
+    """Return what of this job these arithmetics cannot do, "" where they can do all of it.
 
     A plant that answers at once jumps within a sample, which is left to the single design.
+
+    >>> from zoh.lti.systems import Plant
+    >>> lacks(Job(plant=Plant(num=[1, 2], den=[1, 0]), law="p", asked={"wc": 1}, dt=0.1))
+    'a plant that is not strictly proper'
     """
     num, den = coefficients(job, {}, 1)
-    plain = not job.sections and len(num) < len(den) <= _ORDER + 1
+    if len(num) >= len(den):
+        return "a plant that is not strictly proper"
+    if len(den) > _ORDER + 1:
+        return f"a plant of order {len(den) - 1}, above {_ORDER}"
+    if job.sections:
+        return "sections"
     if job.controller is not None:
-        return plain and job.controller.delay == 0 and len(job.controller.den_w) <= 4
+        order = len(job.controller.den_w) - 1
+        if job.controller.delay:
+            return "a controller with a delay of its own"
+        return f"a controller of order {order}, above {_GIVEN}" if order > _GIVEN else ""
+    if job.law not in laws.LAWS:
+        return f"the law {job.law}"
     asked = {*job.asked, *(key for key in job.varying if key in job.law_keys)}
-    takes = {"wc", "pm_deg", "ki", "dc_gain", "filter_pole"}
-    return plain and job.law in laws.LAWS and {"wc", "pm_deg"} <= asked <= takes
+    missing, more = {"wc", "pm_deg"} - asked, asked - _TAKES
+    if missing:
+        return f"a {job.law} without {', '.join(sorted(missing))}"
+    return ", ".join(sorted(more))
 
 
 def run(job: Job, columns: Columns) -> Results:
@@ -80,6 +101,7 @@ def run(job: Job, columns: Columns) -> Results:
     return in_chunks(job, columns, CHUNK, some)
 
 
+@np.errstate(all="ignore")  # here, too: a thread of its own has not its caller's
 def batch(job: Job, columns: Columns, n: int) -> Batch:
     """Return what is asked of n loops."""
     num, den = coefficients(job, columns, n)
@@ -94,22 +116,34 @@ def batch(job: Job, columns: Columns, n: int) -> Batch:
     for values in asked.values():
         regular &= values > 0
     beyond = np.zeros(n, bool)
+    num, den = num[::-1] * (job.plant.sensor / den[0]), den[::-1] / den[0]
+    regular &= _ordinary(job, num, den, dt, asked)
     if "pm_deg" in asked:
         beyond = regular & ~(asked["wc"] * dt < np.pi)
         regular &= (asked["pm_deg"] < 180) & ~beyond
-    with np.errstate(all="ignore"):
-        ratio = late / dt
-        whole = np.abs(ratio - np.round(ratio)) <= 8 * np.spacing(ratio)
-        delay = np.where(whole, np.round(ratio), np.ceil(ratio))
-        regular &= delay <= _DELAYS
-        lead = np.where(whole, 0.0, (delay * dt - late) / dt)
-        num = np.concatenate([num[::-1], np.zeros((len(den) - len(num), n))])
-        num, den = num * (job.plant.sensor / den[0]), den[::-1] / den[0]
-        regular &= _turns_once(den) | (_fastest(den, dt) <= _FASTEST)
+    ratio = late / dt
+    whole = np.abs(ratio - np.round(ratio)) <= 8 * np.spacing(ratio)
+    delay = np.where(whole, np.round(ratio), np.ceil(ratio))
+    regular &= delay <= _DELAYS
+    lead = np.where(whole, 0.0, (delay * dt - late) / dt)
+    num = np.concatenate([num, np.zeros((len(den) - len(num), n))])
+    regular &= _turns_once(den) | (_fastest(den, dt) <= _FASTEST)
     return Batch(
         num=num, den=den, dt=dt, delay=np.where(regular, delay, 0).astype(np.int64), lead=lead,
         asked=asked, regular=regular, beyond=beyond,
     )  # fmt: skip
+
+
+def _ordinary(job: Job, num: Array, den: Array, dt: Array, asked: Mapping[str, Array]) -> Mask:
+    """Return whether no power or product of a loop's numbers comes near the end of a float."""
+    given = [job.reference]
+    if job.controller is not None:
+        given += [*job.controller.num_w, *job.controller.den_w]
+    sizes = np.abs(np.vstack([num, den, dt, *asked.values()]))
+    within = (sizes == 0) | ((sizes >= 1 / _LARGE) & (sizes <= _LARGE))
+    rates = np.abs(den[::-1]) * dt ** np.arange(float(len(den)))[:, None]
+    constant = all(x == 0 or 1 / _LARGE <= abs(x) <= _LARGE for x in given)
+    return np.asarray(constant & within.all(axis=0) & (rates <= _FAR).all(axis=0))
 
 
 def _turns_once(den: Array) -> Mask:

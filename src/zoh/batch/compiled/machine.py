@@ -25,15 +25,18 @@ def processor() -> str:
 
 
 def loaded(name: str, code: bytes) -> Kernel:
-    """Return the function of this name in an object file."""
+    """Return the function of this name in an object file; raise LookupError where it has none."""
     _LLVM.initialize_native_target()
     _LLVM.initialize_native_asmprinter()
     machine = _LLVM.Target.from_default_triple().create_target_machine(jit=True)
     engine = _LLVM.create_mcjit_compiler(_LLVM.parse_assembly(""), machine)
     engine.add_object_file(_LLVM.ObjectFileRef.from_data(code))
     engine.finalize_object()
+    address = engine.get_function_address(name)
+    if not address:
+        raise LookupError(f"the machine code has no function {name}")
     places = [ctypes.c_void_p] * 2 + [ctypes.c_int64] * WHOLES + [ctypes.c_double]
-    found = ctypes.CFUNCTYPE(ctypes.c_int, *places)(engine.get_function_address(name))
+    found = ctypes.CFUNCTYPE(ctypes.c_int, *places)(address)
     result, wrong = ctypes.c_void_p(), ctypes.c_void_p()
     _KEPT.append((engine, result, wrong))
     return partial(found, ctypes.addressof(result), ctypes.addressof(wrong))

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from zoh.analysis.realised import realised
 from zoh.batch.arrays.rows import Array, Mask
-from zoh.batch.arrays.run import Batch, batch, covers
+from zoh.batch.arrays.run import Batch, batch, lacks
 from zoh.batch.backend import CORES
 from zoh.batch.chunks import in_chunks
 from zoh.batch.columns import Columns, Results, length
@@ -135,4 +135,4 @@ def _results(job: Job, rows: list[Array], reason: npt.NDArray[np.int8]) -> Resul
     return out
 
 
-__all__ = ["CHUNK", "covers", "run"]
+__all__ = ["CHUNK", "lacks", "run"]
