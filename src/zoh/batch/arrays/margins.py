@@ -8,13 +8,10 @@ polished on the complex response itself; ``peaks`` finds where a sensitivity is 
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from zoh.batch.arrays import peaks, rows
-from zoh.batch.arrays.rows import Array, Mask
+from zoh.batch.arrays.rows import Array, Index, Mask
 from zoh.batch.tolerances import DROP, ON_IT_DEG, PIVOT, UNITY
-
-Index = npt.NDArray[np.intp]
 
 _POLISH = 3
 

@@ -5,8 +5,8 @@ from math import inf
 
 import numpy as np
 
-from zoh.batch.arrays.look import Index, Part, Seen, along, moved
-from zoh.batch.arrays.rows import Array, Complex, Mask
+from zoh.batch.arrays.look import Part, Seen, along, moved
+from zoh.batch.arrays.rows import Array, Complex, Index, Mask, taken
 from zoh.batch.tolerances import BAND, LOST, NEAR, QUIET
 
 
@@ -61,7 +61,7 @@ class Modes:
             reach = LOST * np.maximum(np.abs(most), np.abs(least))
             still &= (total <= reach) | ((at_rest + higher <= most) & (at_rest - lower >= least))
         alive = (np.abs(of_y) > LOST * size) | (np.abs(of_u) > reach)
-        turning = np.max(np.where(alive, self.turn[:, who], 0.0), axis=0, initial=0.0)
+        turning = np.max(np.where(alive, taken(self.turn, who), 0.0), axis=0, initial=0.0)
         return still | (k > self.end[who]), turning
 
     def _amplitudes(
@@ -71,7 +71,7 @@ class Modes:
         found = [np.zeros((len(self.turn), len(who)), complex) for _ in signals]
         for i in range(len(self.turn)):
             for (row, rest), into in zip(signals, found, strict=True):
-                into += self.weights[:, i, who] * (along(row, z) - (0.0 if i else rest))
+                into += taken(self.weights[:, i], who) * (along(row, z) - (0.0 if i else rest))
             z = moved(part.delta, z)
         return found
 
@@ -80,7 +80,7 @@ class Modes:
 
         What creeps from below outlives the others, and keeps what is left below if it is more.
         """
-        sizes, creeping = np.abs(shares), self.creeping[:, who]
+        sizes, creeping = np.abs(shares), taken(self.creeping, who)
         total = np.sum(sizes, axis=0)
         slow = np.sum(np.where(creeping, shares.real, 0.0), axis=0)
         others = total - np.sum(np.where(creeping, sizes, 0.0), axis=0)

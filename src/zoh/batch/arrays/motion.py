@@ -8,12 +8,11 @@ from dataclasses import dataclass
 from math import pi
 
 import numpy as np
-import numpy.typing as npt
 
 from zoh.batch.arrays.held import Held
 from zoh.batch.arrays.laws import Solved
 from zoh.batch.arrays.margins import Loops
-from zoh.batch.arrays.rows import Array, Complex, Mask
+from zoh.batch.arrays.rows import Array, Complex
 from zoh.batch.tolerances import APART
 
 _ROOTS = 40  # Aberth's steps at most: the roots need no more than three digits here
@@ -33,14 +32,6 @@ class Motion:
     effort: Array
     final: Array
     at_rest: Array
-
-    def only(self, keep: Mask | npt.NDArray[np.int64]) -> "Motion":
-        """Return some of the loops."""
-        return Motion(
-            delta=self.delta[:, :, keep], start=self.start[:, keep],
-            output=self.output[:, keep], effort=self.effort[:, keep],
-            final=self.final[keep], at_rest=self.at_rest[keep],
-        )  # fmt: skip
 
 
 def motion(plant: Held, law: Solved, delay: int) -> Motion:

@@ -34,7 +34,7 @@ def lowest(a: Array, b: Array, there: Array) -> tuple[Array, Mask]:
     (open_,) = np.nonzero(~proved)
     doubt = np.zeros(len(v), bool)
     if len(open_):
-        v[open_], least, doubt[open_] = _by_slopes(a[:, open_], b[:, open_])
+        v[open_], least, doubt[open_] = _by_slopes(rows.taken(a, open_), rows.taken(b, open_))
         doubt[open_] |= value[open_] < least * (1 - _MISSED)
     return v, doubt
 
@@ -91,7 +91,7 @@ def _nothing_below(rest: Array, q: Array) -> Mask:
     proved: Mask = np.equal(count, 0)
     (maybe,) = np.nonzero((count > 0) & (count % 2 == 0))
     if len(maybe):
-        roots, doubt = rows.positive_roots(divided[:, maybe])
+        roots, doubt = rows.positive_roots(rows.taken(divided, maybe))
         proved[maybe] = ~np.isfinite(roots).any(axis=0) & ~doubt
     return proved
 

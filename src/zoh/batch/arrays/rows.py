@@ -19,6 +19,8 @@ Kept = TypeVar("Kept", bound=Any)  # a dataclass
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 Mask = npt.NDArray[np.bool_]
+Index = npt.NDArray[np.intp]
+Kind = TypeVar("Kind", bound=np.generic)
 
 _ENDS = 1e25  # roots are looked for between its inverse and it
 _RANGE = 280.0  # decades that a power of a float may fill
@@ -27,15 +29,24 @@ _LAST = 1e-8  # relative: the error after a Newton's step as small as this is it
 _CLOSE = 1e-15  # relative; between two ends this near there is nothing but rounding
 
 
-def only(loops: Kept, keep: Mask | npt.NDArray[np.int64]) -> Kept:
+def only(loops: Kept, keep: Index) -> Kept:
     """Return some of the loops of a record whose arrays have a loop a column."""
     return replace(loops, **{f.name: _some(getattr(loops, f.name), keep) for f in fields(loops)})
 
 
-def _some(value: Any, keep: Mask | npt.NDArray[np.int64]) -> Any:
+def _some(value: Any, keep: Index) -> Any:
     if isinstance(value, Mapping):
-        return {name: array[..., keep] for name, array in value.items()}
-    return value[..., keep] if isinstance(value, np.ndarray) else value
+        return {name: taken(array, keep) for name, array in value.items()}
+    return taken(value, keep) if isinstance(value, np.ndarray) else value
+
+
+def taken(array: npt.NDArray[Kind], keep: Index) -> npt.NDArray[Kind]:
+    """Return some columns; a row's values stay side by side, as ``array[..., keep]`` has them not.
+
+    >>> taken(np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]), np.array([0, 2])).strides
+    (16, 8)
+    """
+    return array.take(keep, axis=-1)
 
 
 def times(a: Array, b: Array) -> Array:
@@ -145,11 +156,11 @@ def positive_roots(a: Array) -> tuple[Array, Mask]:
     low, high = _ends(degree)
     (one,) = np.nonzero(count == 1)
     if len(one):
-        least, most = _bounds(a[:, one], low, high)
-        roots[0, one] = _closed_in(a[:, one], least, most, np.clip(1.0, least, most))
+        least, most = _bounds(taken(a, one), low, high)
+        roots[0, one] = _closed_in(taken(a, one), least, most, np.clip(1.0, least, most))
     (more,) = np.nonzero(count > 1)
     if len(more):
-        roots[:, more], doubt[more] = _by_extremes(a[:, more], low, high)
+        roots[:, more], doubt[more] = _by_extremes(taken(a, more), low, high)
     rows = int(np.max(np.sum(np.isfinite(roots), axis=0), initial=0))
     return roots[:rows], doubt
 
@@ -185,7 +196,7 @@ def _by_extremes(a: Array, low: float, high: float) -> tuple[Array, Mask]:
         where, lanes = np.nonzero((below < 0) != (above < 0))
         found = np.full(below.shape, high)
         starts, ends = edges[where, lanes], edges[where + 1, lanes]
-        found[where, lanes] = _closed_in(f[:, lanes], starts, ends, np.sqrt(starts * ends))
+        found[where, lanes] = _closed_in(taken(f, lanes), starts, ends, np.sqrt(starts * ends))
         edges = np.sort(found, axis=0)
     bulk = at(np.abs(a), inner)
     touching = (np.abs(at(a, inner)) <= DOUBLE * bulk) & (inner < high)

@@ -12,10 +12,10 @@ from zoh.batch.arrays.between import Piece, estimate, pieces
 from zoh.batch.arrays.closing import RISE, between, closed_in
 from zoh.batch.arrays.crests import Passed
 from zoh.batch.arrays.held import Held
-from zoh.batch.arrays.look import Index, Part, Seen, twice
+from zoh.batch.arrays.look import Part, Seen, twice
 from zoh.batch.arrays.modes import Modes
 from zoh.batch.arrays.motion import Motion
-from zoh.batch.arrays.rows import Array, Complex, Mask
+from zoh.batch.arrays.rows import Array, Complex, Index, Mask, taken
 from zoh.batch.tolerances import BAND, LEVELS, MOST, NOTHING, TURN
 
 _BLOCK = 16  # samples between two looks at which loops are done
@@ -68,8 +68,8 @@ def _followed(
         for _ in range(MOST // _BLOCK):
             who = lanes[here]
             zs = _run(moved, state, here)
-            ys = _along(motion.output[:, who] * sign[who], zs)
-            us = _along(motion.effort[:, who], zs)
+            ys = _along(taken(motion.output, who) * sign[who], zs)
+            us = _along(taken(motion.effort, who), zs)
             if level == 0:
                 _note_crests(seen, at_crest, parts, who, zs, sign[who], k[here])
             _note(seen, who, ys, size[who], k[here], stride)
@@ -78,7 +78,13 @@ def _followed(
             k[here] += _BLOCK * stride
             part = Part.of(motion, sign, size, who)
             done, turning = modes.look(
-                who, k[here], part, motion.effort[:, who], motion.at_rest[who], state[:, here], seen
+                who,
+                k[here],
+                part,
+                taken(motion.effort, who),
+                motion.at_rest[who],
+                taken(state, here),
+                seen,
             )
             on = ~done & (turning * 2 * stride <= TURN)
             waiting.append(here[on])
@@ -89,15 +95,15 @@ def _followed(
         keep = np.concatenate(waiting)
         if not len(keep):
             return seen, passed, at_crest, doubt
-        lanes, state, k = lanes[keep], state[:, keep], k[keep]
-        moved = twice(moved[:, :, keep])
+        lanes, state, k = lanes[keep], taken(state, keep), k[keep]
+        moved = twice(taken(moved, keep))
     doubt[lanes] = True
     return seen, passed, at_crest, doubt
 
 
 def _run(moved: Array, state: Array, here: Index) -> Array:
     """Move the state over a block, in place, and return Z at its samples, (block, N, B)."""
-    s, z = moved[:-1, :, here], state[:, here]
+    s, z = taken(moved[:-1], here), taken(state, here)
     zs = np.empty((_BLOCK, *z.shape))
     step = np.empty_like(z[:-1])
     part = np.empty_like(step)
@@ -129,14 +135,14 @@ def _note_crests(
     Where the input changes within a sample the end of a piece may be a corner: ``piece`` and half.
     """
     for number, part in enumerate(parts):
-        ends = [_along(row[:, who] * sign, zs) for row in (part.slope0, part.slope1)]
+        ends = [_along(taken(row, who) * sign, zs) for row in (part.slope0, part.slope1)]
         if ((ends[0] > 0) & (ends[1] < 0)).any():
-            y0, y1 = (_along(row[:, who] * sign, zs) for row in (part.y0, part.y1))
+            y0, y1 = (_along(taken(row, who) * sign, zs) for row in (part.y0, part.y1))
             span = (part.end - part.begin)[who]
             heights = estimate(y0, y1, ends[0] * span, ends[1] * span)
             _note_crest(seen, at_crest, heights, float(number), who, zs, k)
     for number, part in enumerate(parts[:-1]):
-        corner = _along(part.y1[:, who] * sign, zs)
+        corner = _along(taken(part.y1, who) * sign, zs)
         _note_crest(seen, at_crest, corner, number + 0.5, who, zs, k)
 
 
@@ -168,10 +174,10 @@ def _note(seen: Seen, who: Index, ys: Array, size: Array, k: Array, stride: floa
     for level, places, strides in (
         (RISE[0], seen.k_10, seen.stride_10), (RISE[1], seen.k_90, seen.stride_90),
     ):  # fmt: skip
-        new = (before < level * size) & (top >= level * size)
-        if new.any():
+        (new,) = np.nonzero((before < level * size) & (top >= level * size))
+        if len(new):
             which = who[new]
-            places[which] = k[new] + stride * np.sum(so_far[:, new] < level * size[new], axis=0)
+            places[which] = k[new] + stride * np.sum(taken(so_far, new) < level * size[new], axis=0)
             strides[which] = stride
     seen.top[who] = np.maximum(before, top)
     off = np.maximum.accumulate(np.abs(ys[::-1] - size), axis=0)
