@@ -1,6 +1,6 @@
 """Real polynomials of many loops at once: a row a power, ascending; a column a loop."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any, TypeVar
 
@@ -18,6 +18,14 @@ Kind = TypeVar("Kind", bound=np.generic)
 def only(loops: Kept, keep: Index) -> Kept:
     """Return some of the loops of a record whose arrays have a loop a column."""
     return replace(loops, **{f.name: _some(getattr(loops, f.name), keep) for f in fields(loops)})
+
+
+def joined(parts: Sequence[Kept]) -> Kept:
+    """Return the loops of several such records as those of one."""
+    names = [f.name for f in fields(parts[0])]
+    return replace(
+        parts[0], **{n: np.concatenate([getattr(p, n) for p in parts], axis=-1) for n in names}
+    )
 
 
 def _some(value: Any, keep: Index) -> Any:
