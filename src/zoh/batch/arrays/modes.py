@@ -28,7 +28,8 @@ class Modes:
     @classmethod
     def of(cls, z: Complex, rows: int) -> "Modes":
         """Return the modes z of motions whose Z has so many rows."""
-        decay, turn = -np.log(np.abs(z)), np.abs(np.log(z))
+        log_z = np.log(z)
+        decay = -log_z.real
         slowest = np.min(decay, axis=0, initial=inf)
         mu = z - 1
         n = len(mu)
@@ -40,9 +41,9 @@ class Modes:
                     part = 1 / (mu[m] - mu[other])
                     weights[m, 1:] = (weights[m, :-1] - mu[other] * weights[m, 1:]) * part
                     weights[m, 0] *= -mu[other] * part
-        swings = np.abs(np.angle(z)) > 1e-9 * decay
+        swings = np.abs(log_z.imag) > 1e-9 * decay
         return cls(
-            turn=turn, weights=np.stack([weights.real, weights.imag]),
+            turn=np.abs(log_z), weights=np.stack([weights.real, weights.imag]),
             creeping=(decay == slowest) & ~swings,
             end=np.maximum(8.0, np.ceil(QUIET / np.maximum(slowest, 1e-14)) + 4 * rows),
         )  # fmt: skip

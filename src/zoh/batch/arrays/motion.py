@@ -5,6 +5,7 @@ Source: K. J. Astrom, B. Wittenmark, Computer-Controlled Systems, 3rd ed., sec. 
 """
 
 from dataclasses import dataclass
+from itertools import combinations
 from math import pi
 
 import numpy as np
@@ -104,13 +105,12 @@ def _roots(c: Array) -> Complex:
             for row in c[-2::-1]:
                 slope = slope * z + value
                 value = value * z + row
-            newton = value / slope
             others = np.zeros_like(z)
-            for i in range(n):
-                for j in range(n):
-                    if i != j:
-                        others[i] += 1 / (z[i] - z[j])
-            step = newton / (1 - newton * others)
+            for i, j in combinations(range(n), 2):
+                part = 1 / (z[i] - z[j])
+                others[i] += part
+                others[j] -= part
+            step = value / (slope - value * others)
             step = np.where(np.isfinite(step), step, 0.0)
             z = z - step
             if np.all(np.abs(step) <= APART * np.abs(z)):

@@ -22,8 +22,10 @@ def lowest(a: Array, below: list[Array]) -> tuple[Array, Mask]:
     below  several b, done at once
     """
     shape = (len(below), a.shape[1])
-    over, a, b = rows.at(a, GRID[:, None]), np.tile(a, len(below)), np.concatenate(below, axis=1)
-    low, high, near = _about(np.tile(over, len(below)) / rows.at(b, GRID[:, None]))
+    points = GRID[:, None]
+    over = rows.at(a, points)
+    low, high, near = np.concatenate([_about(over / rows.at(b, points)) for b in below], axis=1)
+    a, b = np.tile(a, len(below)), np.concatenate(below, axis=1)
     slope = _slope(a, b)
     q, inside = _flat(slope, low, high, near)
     value = rows.at(a, q) / rows.at(b, q)
@@ -102,9 +104,11 @@ def _without(a: Array, q: Array) -> Array:
             down[k - 1] = carry
             carried = (carried - a[n - k]) * part
             up[n - k] = carried
-        power = np.arange(n + 1)[:, None]
-        largest = np.argmax(np.log(np.abs(a)) + power * np.log(q), axis=0)
-    return np.where(power < largest, up, down)
+        sizes, power = np.abs(a), q
+        for size in sizes[1:]:
+            size *= power
+            power = power * q
+    return np.where(np.arange(n + 1)[:, None] < np.argmax(sizes, axis=0), up, down)
 
 
 def _shorter(rest: Array, q: Array) -> Array:

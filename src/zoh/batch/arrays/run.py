@@ -23,7 +23,7 @@ from zoh.batch.job import GIVEN, Job
 from zoh.batch.reason import Reason
 from zoh.batch.tolerances import ON_TARGET, ROOM
 
-CHUNK = 2048  # loops at a time: fewer are ruled by Python's calls, more leave a core's own cache
+CHUNK = 4096  # loops at a time: fewer are ruled by Python's calls, more leave a core's own cache
 
 _ORDER = 6  # of the plant
 _DELAYS = 4  # whole samples: each is a power in the loop and a state in its motion
