@@ -1,4 +1,4 @@
-"""A batch with NumPy alone: hold, law, verification, each done for a thousand loops at a time.
+"""A batch with NumPy alone: hold, law, verification, each done for thousands of loops at a time.
 
 What floats cannot decide, or only in many steps, is left to the single design: a pivot that may
 be rounding, an extreme that may touch 0, a request at the edge of what its law can do.
