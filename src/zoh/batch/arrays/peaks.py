@@ -11,8 +11,8 @@ from zoh.batch.arrays import rows
 from zoh.batch.arrays.roots import GRID, closed_in, positive_roots
 from zoh.batch.arrays.rows import Array, Mask
 
-_HALF = 0.5 * np.log(GRID[1] / GRID[0])
-_FLAT = 1e-6  # of q: a/b is within its square's square of its least
+_HALF = 0.5 * np.log(GRID[1] / GRID[0])  # of the distance of two points in log q
+_FLAT = 1e-6  # of q: a Newton's step as small as this leaves its square, and a/b the square of that
 _MISSED = 1e-10  # of the least value: where a glance saw one lower by more, a root was missed
 
 
