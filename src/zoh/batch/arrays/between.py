@@ -104,8 +104,8 @@ def crest(plant: Held, piece: Piece, z: Array, sign: Array) -> tuple[Array, Arra
     top, when = np.full(len(u), -np.inf), np.zeros(len(u))
     (who,) = np.nonzero(rises)
     if len(who):
-        t = _root(slope[:, who])
-        top[who] = polynomials.at(series[:, who], t) + (plant.direct * u)[who]
+        t = _root(polynomials.taken(slope, who))
+        top[who] = polynomials.at(polynomials.taken(series, who), t) + (plant.direct * u)[who]
         when[who] = piece.begin[who] + t * (piece.end - piece.begin)[who]
     return top, when, reach <= REACH
 

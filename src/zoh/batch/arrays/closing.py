@@ -7,9 +7,9 @@ import numpy as np
 from zoh.batch.arrays.between import Piece, crest
 from zoh.batch.arrays.crests import Late, Passed, highest, outside
 from zoh.batch.arrays.held import Held
-from zoh.batch.arrays.look import Index, Part, Seen
+from zoh.batch.arrays.look import Part, Seen
 from zoh.batch.arrays.motion import Motion
-from zoh.batch.arrays.rows import Array, Mask, only
+from zoh.batch.arrays.rows import Array, Index, Mask, only, taken
 
 RISE = (0.1, 0.9)
 
@@ -45,7 +45,7 @@ def between(
         (who,) = np.nonzero((seen.piece == number + 0.5) & (seen.crest > top))
         top[who], when[who] = seen.crest[who], seen.k_crest[who] + part.end[who]
         (who,) = np.nonzero(seen.piece == number)
-        tries.append((who, part, seen.k_crest[who], at_crest[:, who]))
+        tries.append((who, part, seen.k_crest[who], taken(at_crest, who)))
         tries.append((late.who, part, late.k, late.z))
         tries.append((late.who, part, late.k + 1, late.after))
     for who, part, k, z in tries:
@@ -54,7 +54,7 @@ def between(
         height, after, sure = crest(only(plant, who), only(part, who), z, sign[who])
         np.logical_and.at(known, who, sure)
         if part is not parts[-1]:
-            corner = np.sum(part.y1[:, who] * z, axis=0) * sign[who]
+            corner = np.sum(taken(part.y1, who) * z, axis=0) * sign[who]
             after = np.where(corner > height, part.end[who], after)
             height = np.maximum(height, corner)
         order = np.argsort(height)  # of two of one loop the higher is written last

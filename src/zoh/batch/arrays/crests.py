@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from zoh.batch.arrays.look import Index, Part, Seen
+from zoh.batch.arrays.look import Part, Seen
 from zoh.batch.arrays.motion import Motion
-from zoh.batch.arrays.rows import Array, Mask
+from zoh.batch.arrays.rows import Array, Index, Mask, taken
 from zoh.batch.tolerances import BAND, BELOW, CREST
 
 
@@ -63,7 +63,7 @@ class Passed:
         ks = k + stride * np.arange(len(ys))[:, None]
         if stride > 1:
             ks, y, u = (
-                np.concatenate([old[:, who], new])
+                np.concatenate([taken(old, who), new])
                 for old, new in ((self.k, ks), (self.y, ys), (self.u, us))
             )
             self.of_y.append(Crests.of(who, ks, y, seen.top[who] - BELOW * size))
@@ -132,7 +132,7 @@ def _joined(found: list[Crests], above: Array) -> Crests:
 def _part(motion: Motion, row: Array, size: Array, crests: Crests) -> Part:
     who = crests.who
     return Part(
-        delta=motion.delta[:, :, who], start=motion.start[:, who], output=row[:, who],
+        delta=taken(motion.delta, who), start=taken(motion.start, who), output=taken(row, who),
         size=size[who],
     )  # fmt: skip
 

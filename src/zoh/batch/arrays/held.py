@@ -86,7 +86,7 @@ def held(num: Array, den: Array, dt: Array, delay: npt.NDArray[np.int64], lead: 
     unit = np.ldexp(1.0, -halvings)
     in_unit = a * np.power(unit[None, :], np.arange(n, -1, -1.0)[:, None])
     rows_ = powers_of(in_unit, SERIES)
-    markov = h * np.power(unit[None, :], np.arange(1.0, len(h) + 1)[:, None])
+    markov = h[: len(rows_)] * np.power(unit[None, :], np.arange(1.0, len(rows_) + 1)[:, None])
     delta, before = advanced(rows_, markov, halvings, np.ones_like(lead))
     after = advanced(rows_, markov, halvings, lead)[1] if lead.any() else np.zeros_like(before)
     char, rows = _adjugate(delta, _integrators(a))
@@ -160,9 +160,8 @@ def advanced(
     n = rows.shape[1]
     delta, b = np.zeros((n, n, len(t))), np.zeros((n, len(t)))
     for m in range(SERIES, 0, -1):
-        weight = t**m / factorial(m)
-        delta += weight * rows[m : m + n]
-        b += weight * h[m - 1 : m - 1 + n]
+        delta = (delta + rows[m : m + n]) * (t / m)
+        b = (b + h[m - 1 : m - 1 + n]) * (t / m)
     for k in range(int(halvings.max(initial=0))):
         more = halvings > k
         delta, b = _twice(delta, b, more)

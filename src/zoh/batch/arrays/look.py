@@ -8,13 +8,10 @@ from dataclasses import dataclass, field, fields
 from math import ceil, inf, log2
 
 import numpy as np
-import numpy.typing as npt
 
 from zoh.batch.arrays.motion import Motion
-from zoh.batch.arrays.rows import Array, Mask
+from zoh.batch.arrays.rows import Array, Index, Mask, taken
 from zoh.batch.tolerances import BAND
-
-Index = npt.NDArray[np.intp]
 
 
 @dataclass(slots=True, kw_only=True)
@@ -60,8 +57,8 @@ class Part:
     def of(cls, motion: Motion, sign: Array, size: Array, who: Index) -> "Part":
         """Return these loops, y counted in the direction of its final value."""
         return cls(
-            delta=motion.delta[:, :, who], start=motion.start[:, who],
-            output=motion.output[:, who] * sign[who], size=size[who],
+            delta=taken(motion.delta, who), start=taken(motion.start, who),
+            output=taken(motion.output, who) * sign[who], size=size[who],
         )  # fmt: skip
 
     def y(self, z: Array) -> Array:
@@ -117,9 +114,8 @@ class Part:
 
 def twice(s: Array) -> Array:
     """Return 2 s + s s: what moves twice as far."""
-    out = 2 * s
-    for j in range(len(s)):
-        out += s[:, j, None] * s[None, j]
+    out: Array = np.einsum("ijb,jkb->ikb", s, s)
+    out += 2 * s
     return out
 
 

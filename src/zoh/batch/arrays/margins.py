@@ -8,13 +8,11 @@ polished on the complex response itself; ``peaks`` finds where a sensitivity is 
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from zoh.batch.arrays import peaks, rows
-from zoh.batch.arrays.rows import Array, Mask
+from zoh.batch.arrays.roots import positive_roots
+from zoh.batch.arrays.rows import Array, Index, Mask
 from zoh.batch.tolerances import DROP, ON_IT_DEG, PIVOT, UNITY
-
-Index = npt.NDArray[np.intp]
 
 _POLISH = 3
 
@@ -74,18 +72,15 @@ def measured(loops: Loops) -> tuple[dict[str, Array], Mask]:
         more, unsure = _by_phase(loops)
         found |= more
         doubt |= unsure
-        on_grid = peaks.on_grid(aa)
-        below = {"modulus": dd, "mt": nn, "disk": rows.squared(d - n)}
-        for name, under in below.items():
-            v, unsure = peaks.lowest(aa, under, on_grid)
-            doubt |= unsure
-            found |= _peak(loops, name, v)
+        v, unsures = peaks.lowest(aa, [dd, nn, rows.squared(d - n)])
+        doubt |= unsures.any(axis=0)
+        found |= _peaks(loops, v)
         found["bandwidth"], unsure = _bandwidth(loops, nn, aa)
     return found, doubt | unsure
 
 
 def _by_gain(loops: Loops, gain: Array) -> tuple[dict[str, Array], Mask]:
-    q, doubt = rows.positive_roots(gain)
+    q, doubt = positive_roots(gain)
     top, bottom = np.abs(loops.num[-1]), np.abs(loops.den[-1])
     doubt |= np.abs(top - bottom) <= UNITY * bottom
     doubt |= np.abs(np.abs(loops.num[0]) - np.abs(loops.den[0])) <= UNITY * np.abs(loops.den[0])
@@ -116,7 +111,7 @@ def _by_gain(loops: Loops, gain: Array) -> tuple[dict[str, Array], Mask]:
 def _by_phase(loops: Loops) -> tuple[dict[str, Array], Mask]:
     (n_even, n_odd), (d_even, d_odd) = rows.halves(loops.num), rows.halves(loops.den)
     turn = _minus(rows.times(n_odd, d_even), rows.times(n_even, d_odd))
-    q, doubt = rows.positive_roots(turn)
+    q, doubt = positive_roots(turn)
     v = np.sqrt(q)
     there = np.isfinite(v)
     v = np.where(there, v, 1.0)
@@ -159,23 +154,20 @@ def _taken(values: Array, rows_: Index, none: Mask) -> Array:
     return np.asarray(np.take_along_axis(values, rows_[None, :], axis=0)[0])
 
 
-def _peak(loops: Loops, name: str, v: Array) -> dict[str, Array]:
+def _peaks(loops: Loops, v: Array) -> dict[str, Array]:
+    """Return what is highest or lowest at v, a row for each of |1/S|, |1/T|, |(1 + L)/(1 - L)|."""
     end = np.isinf(v)
     at = np.where(end, 1.0, v)
     n, d = rows.on_axis(loops.num, at)[0], rows.on_axis(loops.den, at)[0]
     n, d = np.where(end, loops.num[-1], n), np.where(end, loops.den[-1], d)
-    if name == "modulus":
-        least = np.abs(n + d) / np.abs(d)
-        return {"modulus_margin": least, "ms": 1 / least}
-    if name == "mt":
-        return {"mt": np.abs(n) / np.abs(n + d)}
-    return {"disk_margin": 2 * np.abs(n + d) / np.abs(d - n)}
+    modulus, of_t, disk = np.abs(n + d) / np.abs([d[0], n[1], d[2] - n[2]])
+    return {"modulus_margin": modulus, "ms": 1 / modulus, "mt": 1 / of_t, "disk_margin": 2 * disk}
 
 
 def _bandwidth(loops: Loops, nn: Array, aa: Array) -> tuple[Array, Mask]:
     at_rest = DROP * nn[0] / aa[0]
     above = nn - at_rest * aa
-    q, doubt = rows.positive_roots(above)
+    q, doubt = positive_roots(above)
     first = q[0] if len(q) else np.full(len(at_rest), np.inf)
     falls = np.isfinite(first) & (at_rest > 0)
     first = np.where(falls, first, 1.0)

@@ -5,8 +5,8 @@ from math import inf
 
 import numpy as np
 
-from zoh.batch.arrays.look import Index, Part, Seen, along, moved
-from zoh.batch.arrays.rows import Array, Complex, Mask
+from zoh.batch.arrays.look import Seen, moved
+from zoh.batch.arrays.rows import Array, Complex, Index, Mask, taken
 from zoh.batch.tolerances import BAND, LOST, NEAR, QUIET
 
 
@@ -16,18 +16,20 @@ class Modes:
 
     With d_i the i-th difference of what moves, d_i = sum_m c_m mu_m^i, so that
     c_m = sum_i weights[m, i] d_i, Lagrange's polynomial through the other modes.
-    turn  |log z|, shape (n, B);  creeping  which mode is the slowest and does not swing
+    turn  |log z|, shape (n, B);  weights  real and imaginary parts, shape (2, n, n, B)
+    creeping  which mode is the slowest and does not swing
     """
 
     turn: Array
-    weights: Complex
+    weights: Array
     creeping: Mask
     end: Array
 
     @classmethod
     def of(cls, z: Complex, rows: int) -> "Modes":
         """Return the modes z of motions whose Z has so many rows."""
-        decay, turn = -np.log(np.abs(z)), np.abs(np.log(z))
+        log_z = np.log(z)
+        decay = -log_z.real
         slowest = np.min(decay, axis=0, initial=inf)
         mu = z - 1
         n = len(mu)
@@ -36,52 +38,59 @@ class Modes:
             weights[m, 0] = 1.0
             for other in range(n):
                 if other != m:
-                    apart = mu[m] - mu[other]
-                    weights[m, 1:] = (weights[m, :-1] - mu[other] * weights[m, 1:]) / apart
-                    weights[m, 0] *= -mu[other] / apart
-        swings = np.abs(np.angle(z)) > 1e-9 * decay
+                    part = 1 / (mu[m] - mu[other])
+                    weights[m, 1:] = (weights[m, :-1] - mu[other] * weights[m, 1:]) * part
+                    weights[m, 0] *= -mu[other] * part
+        swings = np.abs(log_z.imag) > 1e-9 * decay
         return cls(
-            turn=turn, weights=weights, creeping=(decay == slowest) & ~swings,
+            turn=np.abs(log_z), weights=np.stack([weights.real, weights.imag]),
+            creeping=(decay == slowest) & ~swings,
             end=np.maximum(8.0, np.ceil(QUIET / np.maximum(slowest, 1e-14)) + 4 * rows),
         )  # fmt: skip
 
     def look(
-        self, who: Index, k: Array, part: Part, effort: Array, at_rest: Array, z: Array,
-        seen: Seen,
-    ) -> tuple[Mask, Array]:  # fmt: skip
-        """Return (which loops can show nothing new, how fast what is left of each still turns)."""
-        size, top, most, least = part.size, seen.top[who], seen.most[who], seen.least[who]
-        of_y, of_u = self._amplitudes(who, part, [(part.output, size), (effort, at_rest)], z)
-        total, higher = self._beyond(who, of_y)
-        still = total < NEAR * BAND * size
+        self, who: Index, k: Array, delta: Array, signals: Array, rest: Array, z: Array, seen: Seen
+    ) -> tuple[Mask, Array]:
+        """Return (which loops can show nothing new, how fast what is left of each still turns).
+
+        signals, rest  rows on Z of y and u, shape (2, N, B), and what they settle to, (2, B)
+        """
+        size, at_rest = rest
+        top, most, least = seen.top[who], seen.most[who], seen.least[who]
+        real, imag = self._shares(who, delta, signals, rest, z)
+        sizes = np.sqrt(real * real + imag * imag)
+        total, higher, lower = self._beyond(who, real, sizes)
         with np.errstate(invalid="ignore"):
-            still &= (higher <= top - size) | (total <= LOST * size)
-            total, higher = self._beyond(who, of_u)
-            _, lower = self._beyond(who, -of_u)
-            reach = LOST * np.maximum(np.abs(most), np.abs(least))
-            still &= (total <= reach) | ((at_rest + higher <= most) & (at_rest - lower >= least))
-        alive = (np.abs(of_y) > LOST * size) | (np.abs(of_u) > reach)
-        turning = np.max(np.where(alive, self.turn[:, who], 0.0), axis=0, initial=0.0)
+            lost = LOST * np.stack([size, np.maximum(np.abs(most), np.abs(least))])
+            still = total[0] < NEAR * BAND * size
+            still &= (higher[0] <= top - size) | (total[0] <= lost[0])
+            inside = (at_rest + higher[1] <= most) & (at_rest - lower[1] >= least)
+            still &= (total[1] <= lost[1]) | inside
+            alive = (sizes > lost).any(axis=1)
+        turning = np.max(np.where(alive, taken(self.turn, who), 0.0), axis=0, initial=0.0)
         return still | (k > self.end[who]), turning
 
-    def _amplitudes(
-        self, who: Index, part: Part, signals: list[tuple[Array, Array]], z: Array
-    ) -> list[Complex]:
-        """Return each signal's share of each mode at Z, shape (n, B)."""
-        found = [np.zeros((len(self.turn), len(who)), complex) for _ in signals]
-        for i in range(len(self.turn)):
-            for (row, rest), into in zip(signals, found, strict=True):
-                into += self.weights[:, i, who] * (along(row, z) - (0.0 if i else rest))
-            z = moved(part.delta, z)
-        return found
+    def _shares(self, who: Index, delta: Array, signals: Array, rest: Array, z: Array) -> Array:
+        """Return each mode's share of each signal at Z, (real and imaginary, modes, signals, B)."""
+        n = len(self.turn)
+        moves = np.empty((n, *rest.shape))
+        for i in range(n):
+            np.einsum("sjb,jb->sb", signals, z, out=moves[i])
+            z = moved(delta, z) if i + 1 < n else z
+        moves[:1] -= rest
+        shares: Array = np.einsum("cmib,isb->cmsb", taken(self.weights, who), moves)
+        return shares
 
-    def _beyond(self, who: Index, shares: Complex) -> tuple[Array, Array]:
-        """Return (a bound on what is left, a bound on how far it can go above its rest).
+    def _beyond(self, who: Index, real: Array, sizes: Array) -> tuple[Array, Array, Array]:
+        """Return (a bound on what is left, bounds on how far it can go above its rest and below).
 
         What creeps from below outlives the others, and keeps what is left below if it is more.
         """
-        sizes, creeping = np.abs(shares), self.creeping[:, who]
+        creeping = taken(self.creeping, who)[:, None]
         total = np.sum(sizes, axis=0)
-        slow = np.sum(np.where(creeping, shares.real, 0.0), axis=0)
+        slow = np.sum(np.where(creeping, real, 0.0), axis=0)
         others = total - np.sum(np.where(creeping, sizes, 0.0), axis=0)
-        return total, np.where(others <= -slow, 0.0, others + np.maximum(slow, 0.0))
+        higher, lower = (
+            np.where(others <= -side, 0.0, others + np.maximum(side, 0.0)) for side in (slow, -slow)
+        )
+        return total, higher, lower

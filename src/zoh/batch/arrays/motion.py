@@ -5,15 +5,15 @@ Source: K. J. Astrom, B. Wittenmark, Computer-Controlled Systems, 3rd ed., sec. 
 """
 
 from dataclasses import dataclass
+from itertools import combinations
 from math import pi
 
 import numpy as np
-import numpy.typing as npt
 
 from zoh.batch.arrays.held import Held
 from zoh.batch.arrays.laws import Solved
 from zoh.batch.arrays.margins import Loops
-from zoh.batch.arrays.rows import Array, Complex, Mask
+from zoh.batch.arrays.rows import Array, Complex
 from zoh.batch.tolerances import APART
 
 _ROOTS = 40  # Aberth's steps at most: the roots need no more than three digits here
@@ -33,14 +33,6 @@ class Motion:
     effort: Array
     final: Array
     at_rest: Array
-
-    def only(self, keep: Mask | npt.NDArray[np.int64]) -> "Motion":
-        """Return some of the loops."""
-        return Motion(
-            delta=self.delta[:, :, keep], start=self.start[:, keep],
-            output=self.output[:, keep], effort=self.effort[:, keep],
-            final=self.final[keep], at_rest=self.at_rest[keep],
-        )  # fmt: skip
 
 
 def motion(plant: Held, law: Solved, delay: int) -> Motion:
@@ -113,13 +105,12 @@ def _roots(c: Array) -> Complex:
             for row in c[-2::-1]:
                 slope = slope * z + value
                 value = value * z + row
-            newton = value / slope
             others = np.zeros_like(z)
-            for i in range(n):
-                for j in range(n):
-                    if i != j:
-                        others[i] += 1 / (z[i] - z[j])
-            step = newton / (1 - newton * others)
+            for i, j in combinations(range(n), 2):
+                part = 1 / (z[i] - z[j])
+                others[i] += part
+                others[j] -= part
+            step = value / (slope - value * others)
             step = np.where(np.isfinite(step), step, 0.0)
             z = z - step
             if np.all(np.abs(step) <= APART * np.abs(z)):

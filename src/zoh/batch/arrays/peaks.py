@@ -8,23 +8,26 @@ root if m is the least.
 import numpy as np
 
 from zoh.batch.arrays import rows
+from zoh.batch.arrays.roots import GRID, closed_in, positive_roots
 from zoh.batch.arrays.rows import Array, Mask
 
-_GRID = np.geomspace(1e-4, 1e7, 40)  # of q, where a peak is first looked for
-_FLAT = 1e-8  # of q: a/b is within its square of its least
-_BESIDE = 1e-6  # of q: this far from the least the slope has a sign that rounding does not make
-_STEPS = 100
+_HALF = 0.5 * np.log(GRID[1] / GRID[0])  # of the distance of two points in log q
+_FLAT = 1e-6  # of q: a Newton's step as small as this leaves its square, and a/b the square of that
 _MISSED = 1e-10  # of the least value: where a glance saw one lower by more, a root was missed
 
 
-def lowest(a: Array, b: Array, there: Array) -> tuple[Array, Mask]:
-    """Return (v where a/b is least over q = v^2 in [0, inf], whether that is in doubt).
+def lowest(a: Array, below: list[Array]) -> tuple[Array, Mask]:
+    """Return (v where a/b is least over q = v^2 in [0, inf], whether that is in doubt), a row a b.
 
-    there  a at the points of the grid
+    below  several b, done at once
     """
-    ratio = there / on_grid(b)
-    best = np.clip(np.argmin(ratio, axis=0), 1, len(_GRID) - 2)
-    q, inside = _flat(a, b, _GRID[best - 1], _GRID[best + 1], _GRID[best])
+    shape = (len(below), a.shape[1])
+    points = GRID[:, None]
+    over = rows.at(a, points)
+    low, high, near = np.concatenate([_about(over / rows.at(b, points)) for b in below], axis=1)
+    a, b = np.tile(a, len(below)), np.concatenate(below, axis=1)
+    slope = _slope(a, b)
+    q, inside = _flat(slope, low, high, near)
     value = rows.at(a, q) / rows.at(b, q)
     v = np.sqrt(q)
     for end, here in ((0.0, a[0] / b[0]), (np.inf, a[-1] / b[-1])):
@@ -34,50 +37,37 @@ def lowest(a: Array, b: Array, there: Array) -> tuple[Array, Mask]:
     (open_,) = np.nonzero(~proved)
     doubt = np.zeros(len(v), bool)
     if len(open_):
-        v[open_], least, doubt[open_] = _by_slopes(a[:, open_], b[:, open_])
+        v[open_], least, doubt[open_] = _by_slopes(*(rows.taken(c, open_) for c in (a, b, slope)))
         doubt[open_] |= value[open_] < least * (1 - _MISSED)
-    return v, doubt
+    return v.reshape(shape), doubt.reshape(shape)
 
 
-def on_grid(a: Array) -> Array:
-    """Return a at the points of the grid, shape (points, B)."""
-    return np.asarray(_GRID[:, None] ** np.arange(len(a)) @ a)
+def _about(ratio: Array) -> tuple[Array, Array, Array]:
+    """Return the points of the grid beside the least, and where a parabola in log q has its own."""
+    best = np.clip(np.argmin(ratio, axis=0), 1, len(GRID) - 2)
+    before, here, after = (
+        np.take_along_axis(ratio, (best + i)[None, :], axis=0)[0] for i in (-1, 0, 1)
+    )
+    bend = before + after - 2 * here
+    t = np.where(bend > 0, _HALF * (before - after) / bend, 0.0)
+    return GRID[best - 1], GRID[best + 1], GRID[best] * np.exp(np.clip(t, -2 * _HALF, 2 * _HALF))
 
 
-def _flat(a: Array, b: Array, low: Array, high: Array, q: Array) -> tuple[Array, Mask]:
-    """Return (where the slope of a/b becomes positive in (low, high), whether it does).
+def _flat(slope: Array, low: Array, high: Array, q: Array) -> tuple[Array, Mask]:
+    """Return (where the slope becomes positive in (low, high), whether it does).
 
     Half the digits of it are enough, as a/b is flat there; the last of Newton's steps has more.
     """
-    da, db = rows.derivative(a), rows.derivative(b)
-    out = np.empty_like(q)
-    index, step, f = np.arange(len(q)), np.full(len(q), np.inf), (a, b, da, db)
-    for _ in range(_STEPS):
-        slope, bend = _slope(*f, q)
-        left = slope < 0
-        low, high = np.where(left, q, low), np.where(left, high, q)
-        new = q - slope / bend
-        inside = (new > low) & (new < high) & (2 * np.abs(new - q) <= step)
-        last, q = q, np.where(inside, new, np.sqrt(low * high))
-        step = np.abs(q - last)
-        go = step > _FLAT * q
-        if np.all(go):
-            continue
-        out[index[~go]] = q[~go]
-        if not go.any():
-            break
-        index, low, high, q, step = index[go], low[go], high[go], q[go], step[go]
-        f = (f[0][:, go], f[1][:, go], f[2][:, go], f[3][:, go])
-    out[index] = q
-    falls = _slope(a, b, da, db, out * (1 - _BESIDE))[0] < 0
-    return out, falls & (_slope(a, b, da, db, out * (1 + _BESIDE))[0] > 0)
+    inside = (rows.at(slope, low) < 0) & (rows.at(slope, high) > 0)
+    (who,) = np.nonzero(inside)
+    out = q.copy()
+    out[who] = closed_in(rows.taken(slope, who), low[who], high[who], q[who], last=_FLAT)
+    return out, inside
 
 
-def _slope(a: Array, b: Array, da: Array, db: Array, q: Array) -> tuple[Array, Array]:
-    """Return (a' b - a b', its derivative) at q."""
-    at_a, at_b = rows.at(a, q), rows.at(b, q)
-    (of_a, bend_a), (of_b, bend_b) = rows.with_slope(da, q), rows.with_slope(db, q)
-    return of_a * at_b - at_a * of_b, bend_a * at_b - at_a * bend_b
+def _slope(a: Array, b: Array) -> Array:
+    """Return a' b - a b', of the sign of the slope of a/b; its highest power drops out."""
+    return (rows.times(rows.derivative(a), b) - rows.times(a, rows.derivative(b)))[:-1]
 
 
 def _nothing_below(rest: Array, q: Array) -> Mask:
@@ -91,7 +81,7 @@ def _nothing_below(rest: Array, q: Array) -> Mask:
     proved: Mask = np.equal(count, 0)
     (maybe,) = np.nonzero((count > 0) & (count % 2 == 0))
     if len(maybe):
-        roots, doubt = rows.positive_roots(divided[:, maybe])
+        roots, doubt = positive_roots(rows.taken(divided, maybe))
         proved[maybe] = ~np.isfinite(roots).any(axis=0) & ~doubt
     return proved
 
@@ -114,9 +104,11 @@ def _without(a: Array, q: Array) -> Array:
             down[k - 1] = carry
             carried = (carried - a[n - k]) * part
             up[n - k] = carried
-        power = np.arange(n + 1)[:, None]
-        largest = np.argmax(np.log(np.abs(a)) + power * np.log(q), axis=0)
-    return np.where(power < largest, up, down)
+        sizes, power = np.abs(a), q
+        for size in sizes[1:]:
+            size *= power
+            power = power * q
+    return np.where(np.arange(n + 1)[:, None] < np.argmax(sizes, axis=0), up, down)
 
 
 def _shorter(rest: Array, q: Array) -> Array:
@@ -127,11 +119,10 @@ def _shorter(rest: Array, q: Array) -> Array:
     return out
 
 
-def _by_slopes(a: Array, b: Array) -> tuple[Array, Array, Mask]:
+def _by_slopes(a: Array, b: Array, slope: Array) -> tuple[Array, Array, Mask]:
     """Return (v where a/b is least, a/b there, whether in doubt), every flat place of it tried."""
-    slope = rows.times(rows.derivative(a), b) - rows.times(a, rows.derivative(b))
     size = np.max(np.abs(slope), axis=0)
-    q, doubt = rows.positive_roots(slope / np.where(size > 0, size, 1.0))
+    q, doubt = positive_roots(slope / np.where(size > 0, size, 1.0))
     inner = np.where(np.isfinite(q), q, 1.0)
     value = np.where(np.isfinite(q), rows.at(a, inner) / rows.at(b, inner), np.inf)
     value = np.concatenate([value, [a[0] / b[0], a[-1] / b[-1]]])

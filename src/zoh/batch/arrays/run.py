@@ -1,4 +1,4 @@
-"""A batch with NumPy alone: hold, law, verification, each done for a thousand loops at a time.
+"""A batch with NumPy alone: hold, law, verification, each done for thousands of loops at a time.
 
 What floats cannot decide, or only in many steps, is left to the single design: a pivot that may
 be rounding, an extreme that may touch 0, a request at the edge of what its law can do.
@@ -24,7 +24,7 @@ from zoh.batch.job import GIVEN, Job
 from zoh.batch.reason import Reason
 from zoh.batch.tolerances import ON_TARGET, ROOM
 
-CHUNK = 2048  # loops at a time: fewer are ruled by Python's calls, more leave a core's own cache
+CHUNK = 4096  # loops at a time: fewer are ruled by Python's calls, more leave a core's own cache
 
 _ORDER = 6  # of the plant
 _GIVEN = 3  # of a controller that is given

@@ -6,19 +6,23 @@ stride is closed in on by halving. A response is left as soon as what remains of
 show anything new: see ``modes``.
 """
 
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
 import numpy as np
 
 from zoh.batch.arrays.between import Piece, estimate, pieces
 from zoh.batch.arrays.closing import RISE, between, closed_in
 from zoh.batch.arrays.crests import Passed
 from zoh.batch.arrays.held import Held
-from zoh.batch.arrays.look import Index, Part, Seen, twice
+from zoh.batch.arrays.look import Seen, twice
 from zoh.batch.arrays.modes import Modes
 from zoh.batch.arrays.motion import Motion
-from zoh.batch.arrays.rows import Array, Complex, Mask
+from zoh.batch.arrays.rows import Array, Complex, Index, Mask, joined, only, taken
 from zoh.batch.tolerances import BAND, LEVELS, MOST, NOTHING, TURN
 
 _BLOCK = 16  # samples between two looks at which loops are done
+_PLACES = np.arange(1, _BLOCK + 1, dtype=np.int8)  # small numbers, which are quickly compared
 
 
 def step_metrics(
@@ -51,73 +55,85 @@ def step_metrics(
     }, doubt | ~known | (size == 0)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UnderWay:
+    """Responses that are still followed: which, the sample they are at, how they go on from it.
+
+    state    Z, shape (N, B);  moved, delta  by what it moves in a stride, in a sample
+    signals  rows on Z, shape (2, N, B), of y in the direction of its final value, and of u
+    rest     what they settle to, shape (2, B)
+    """
+
+    who: Index
+    k: Array
+    state: Array
+    moved: Array
+    delta: Array
+    signals: Array
+    rest: Array
+
+    @classmethod
+    def of(cls, motion: Motion, sign: Array, size: Array) -> "UnderWay":
+        """Return all of them, before their first sample."""
+        return cls(
+            who=np.arange(len(size)), k=np.zeros(len(size)), state=motion.start,
+            moved=motion.delta, delta=motion.delta,
+            signals=np.stack([motion.output * sign, motion.effort]),
+            rest=np.stack([size, motion.at_rest]),
+        )  # fmt: skip
+
+
 def _followed(
     motion: Motion, parts: list[Piece], sign: Array, size: Array, z: Complex
 ) -> tuple[Seen, Passed, Array, Mask]:
     """Return what was seen, what passed, Z before the highest crest, and which were left early."""
-    count = len(size)
-    seen, passed, doubt = Seen.of(count), Passed.of(count), np.zeros(count, bool)
-    at_crest = np.zeros(motion.output.shape)
-    modes = Modes.of(z, len(motion.delta))
-    lanes, moved = np.arange(count), motion.delta
-    state, k = motion.start.copy(), np.zeros(count)
+    seen, passed = Seen.of(len(size)), Passed.of(len(size))
+    doubt, at_crest = np.zeros(len(size), bool), np.zeros(motion.output.shape)
+    modes, way = Modes.of(z, len(motion.delta)), UnderWay.of(motion, sign, size)
     for level in range(LEVELS):
         stride = 2.0**level
-        here = np.arange(len(lanes))
-        waiting: list[Index] = []
+        waiting: list[UnderWay] = []
         for _ in range(MOST // _BLOCK):
-            who = lanes[here]
-            zs = _run(moved, state, here)
-            ys = _along(motion.output[:, who] * sign[who], zs)
-            us = _along(motion.effort[:, who], zs)
+            who, k = way.who, way.k
+            zs, state = _run(way.moved, way.state)
+            ys, us = (_along(row, zs) for row in way.signals)
             if level == 0:
-                _note_crests(seen, at_crest, parts, who, zs, sign[who], k[here])
-            _note(seen, who, ys, size[who], k[here], stride)
+                _note_crests(seen, at_crest, parts, who, zs, sign[who], k)
+            _note(seen, who, ys, size[who], k, stride)
             _note_effort(seen, who, us)
-            passed.note(who, ys, us, k[here], stride, size[who], seen)
-            k[here] += _BLOCK * stride
-            part = Part.of(motion, sign, size, who)
-            done, turning = modes.look(
-                who, k[here], part, motion.effort[:, who], motion.at_rest[who], state[:, here], seen
-            )
-            on = ~done & (turning * 2 * stride <= TURN)
-            waiting.append(here[on])
-            here = here[~done & ~on]
-            if not len(here):
+            passed.note(who, ys, us, k, stride, size[who], seen)
+            way = replace(way, state=state, k=k + _BLOCK * stride)
+            done, turning = modes.look(who, way.k, way.delta, way.signals, way.rest, state, seen)
+            slow = turning * 2 * stride <= TURN
+            waiting.append(only(way, np.flatnonzero(~done & slow)))
+            way = only(way, np.flatnonzero(~done & ~slow))
+            if not len(way.who):
                 break
-        doubt[lanes[here]] = True
-        keep = np.concatenate(waiting)
-        if not len(keep):
+        doubt[way.who] = True
+        way = joined(waiting)
+        if not len(way.who):
             return seen, passed, at_crest, doubt
-        lanes, state, k = lanes[keep], state[:, keep], k[keep]
-        moved = twice(moved[:, :, keep])
-    doubt[lanes] = True
+        way = replace(way, moved=twice(way.moved))
+    doubt[way.who] = True
     return seen, passed, at_crest, doubt
 
 
-def _run(moved: Array, state: Array, here: Index) -> Array:
-    """Move the state over a block, in place, and return Z at its samples, (block, N, B)."""
-    s, z = moved[:-1, :, here], state[:, here]
-    zs = np.empty((_BLOCK, *z.shape))
+def _run(s: Array, z: Array) -> tuple[Array, Array]:
+    """Return Z at the samples of a block, shape (block, N, B), and Z after it."""
+    zs = np.empty((_BLOCK + 1, *z.shape))
+    zs[0], zs[:, -1] = z, z[-1]  # the one that Z ends with stays
     step = np.empty_like(z[:-1])
-    part = np.empty_like(step)
-    for at in zs:
-        at[:] = z
-        np.multiply(s[:, 0], z[0], out=step)
-        for j in range(1, len(z)):
-            np.multiply(s[:, j], z[j], out=part)
-            step += part
-        z[:-1] += step
-    state[:, here] = z
-    return zs
+    for here, there in pairwise(zs):
+        np.einsum("ijb,jb->ib", s[:-1], here, out=step)
+        np.add(here[:-1], step, out=there[:-1])
+    return zs[:-1], zs[-1]
 
 
 def _along(row: Array, zs: Array) -> Array:
-    """Return a signal at each sample of a block, (block, B); zeros of its row cost nothing."""
-    out = np.zeros((len(zs), zs.shape[2]))
-    for j, weight in enumerate(row):
-        if weight.any():
-            out += weight * zs[:, j]
+    """Return a signal at each sample of a block, (block, B); zeros about its row cost nothing."""
+    used = np.flatnonzero(row.any(axis=1))
+    part = slice(used[0], used[-1] + 1) if len(used) else slice(0)
+    out: Array = np.einsum("jb,kjb->kb", row[part], zs[:, part])
     return out
 
 
@@ -129,28 +145,31 @@ def _note_crests(
     Where the input changes within a sample the end of a piece may be a corner: ``piece`` and half.
     """
     for number, part in enumerate(parts):
-        ends = [_along(row[:, who] * sign, zs) for row in (part.slope0, part.slope1)]
-        if ((ends[0] > 0) & (ends[1] < 0)).any():
-            y0, y1 = (_along(row[:, who] * sign, zs) for row in (part.y0, part.y1))
-            span = (part.end - part.begin)[who]
-            heights = estimate(y0, y1, ends[0] * span, ends[1] * span)
-            _note_crest(seen, at_crest, heights, float(number), who, zs, k)
+        first, last = (_along(taken(row, who) * sign, zs) for row in (part.slope0, part.slope1))
+        row, lane = np.nonzero((first > 0) & (last < 0))
+        if len(lane):
+            z, these, up = zs[row, :, lane].T, who[lane], sign[lane]
+            y0, y1 = (np.sum(taken(y, these) * z, axis=0) * up for y in (part.y0, part.y1))
+            span = (part.end - part.begin)[these]
+            heights = estimate(y0, y1, first[row, lane] * span, last[row, lane] * span)
+            _note_crest(seen, at_crest, heights, float(number), these, z, k[lane] + row)
     for number, part in enumerate(parts[:-1]):
-        corner = _along(part.y1[:, who] * sign, zs)
-        _note_crest(seen, at_crest, corner, number + 0.5, who, zs, k)
+        corner = _along(taken(part.y1, who) * sign, zs)
+        best = np.argmax(corner, axis=0)
+        height = np.take_along_axis(corner, best[None, :], axis=0)[0]
+        z = zs[best, :, np.arange(len(who))].T
+        _note_crest(seen, at_crest, height, number + 0.5, who, z, k + best)
 
 
 def _note_crest(
-    seen: Seen, at_crest: Array, heights: Array, piece: float, who: Index, zs: Array, k: Array
+    seen: Seen, at_crest: Array, heights: Array, piece: float, who: Index, z: Array, k: Array
 ) -> None:
-    best = np.argmax(heights, axis=0)
-    height = np.take_along_axis(heights, best[None, :], axis=0)[0]
-    (new,) = np.nonzero(height > seen.crest[who])
-    which = who[new]
-    seen.crest[which] = height[new]
-    seen.k_crest[which] = k[new] + best[new]
+    order = np.argsort(heights)  # of two of one loop the higher is written last
+    order = order[heights[order] > seen.crest[who[order]]]
+    which = who[order]
+    seen.crest[which], seen.k_crest[which] = heights[order], k[order]
     seen.piece[which] = piece
-    at_crest[:, which] = zs[best[new], :, new].T
+    at_crest[:, which] = taken(z, order)
 
 
 def _note_effort(seen: Seen, who: Index, us: Array) -> None:
@@ -160,29 +179,24 @@ def _note_effort(seen: Seen, who: Index, us: Array) -> None:
 
 def _note(seen: Seen, who: Index, ys: Array, size: Array, k: Array, stride: float) -> None:
     """Note what a block shows; k is its first sample."""
-    before = seen.top[who]
-    so_far = np.maximum.accumulate(ys, axis=0)
-    top = so_far[-1]
-    higher = top > before
-    seen.k_top[who] = np.where(higher, k + stride * np.sum(so_far < top, axis=0), seen.k_top[who])
+    before, top = seen.top[who], ys.max(axis=0)
+    (higher,) = np.nonzero(top > before)
+    first = _first(taken(ys, higher) == top[higher])
+    seen.k_top[who[higher]] = k[higher] + stride * first
     for level, places, strides in (
         (RISE[0], seen.k_10, seen.stride_10), (RISE[1], seen.k_90, seen.stride_90),
     ):  # fmt: skip
-        new = (before < level * size) & (top >= level * size)
-        if new.any():
-            which = who[new]
-            places[which] = k[new] + stride * np.sum(so_far[:, new] < level * size[new], axis=0)
-            strides[which] = stride
+        (new,) = np.nonzero((before < level * size) & (top >= level * size))
+        first = _first(taken(ys, new) >= level * size[new])
+        places[who[new]] = k[new] + stride * first
+        strides[who[new]] = stride
     seen.top[who] = np.maximum(before, top)
-    off = np.maximum.accumulate(np.abs(ys[::-1] - size), axis=0)
-    _last(seen.k_out, seen.stride_out, who, off > BAND * size, k, stride)
+    last = np.max((np.abs(ys - size) > BAND * size) * _PLACES[:, None], axis=0)
+    (new,) = np.nonzero(last)
+    seen.k_out[who[new]] = k[new] + stride * (last[new] - 1)
+    seen.stride_out[who[new]] = stride
 
 
-def _last(
-    places: Array, strides: Array, who: Index, outside: Mask, k: Array, stride: float
-) -> None:
-    """Note the last sample at which something was outside; rows count back from the block's end."""
-    count = np.sum(outside, axis=0)  # rows from the first outside one, seen from the end
-    new = count > 0
-    places[who[new]] = k[new] + stride * (count[new] - 1)
-    strides[who[new]] = stride
+def _first(holds: Mask) -> Index:
+    """Return the first row that holds, of columns in which one does."""
+    return np.asarray(_BLOCK - np.max(holds * _PLACES[::-1, None], axis=0))
