@@ -230,7 +230,4 @@ def opposite(values: Mapping[str, float]) -> dict[str, float]:
 
 def negated(system: Sampled) -> Sampled:
     """Return what answers the other way round."""
-    return Sampled.from_w(
-        num_w=tuple(-c for c in system.num_w), den_w=system.den_w, dt=system.dt,
-        delay=system.delay, rounded=system.rounded,
-    )  # fmt: skip
+    return Sampled(num=(-1.0,), den=(1.0,), dt=system.dt) * system

@@ -15,7 +15,7 @@ from zoh.sampling.hold import sample
 def said_of(loop):
     """Return what is said, asked straight and not only where a crossing is seen to need it."""
     found = measure_loop(loop)
-    return blurs(loop, [*found.gain_crossings], [*found.phase_crossings])
+    return blurs(loop, found)
 
 
 HALF_DIGITS = 2.0**-52

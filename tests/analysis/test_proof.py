@@ -81,9 +81,9 @@ def test_a_peak_said_lower_than_it_is_is_noticed(loop, which):
 def test_the_methods_are_named():
     exact = margins(LOOPS["sampled"]).certificate
     late = margins(LOOPS["continuous, late"]).certificate
-    assert {exact.gain_crossings.method, exact.mt.method} <= {"Descartes", "Sturm"}
+    assert {exact.gain_crossings.method, exact.mt.method} <= {"Descartes", "halving"}
     assert (late.phase_crossings.method, late.modulus_margin.method) == ("discs", "discs")
-    assert late.gain_crossings.method in ("Descartes", "Sturm")  # a delay does not move |L|
+    assert late.gain_crossings.method in ("Descartes", "halving")  # a delay does not move |L|
     said = late.to_dict()
     assert said["holds"] is True
     assert set(said["mt"]) == {"holds", "method", "detail"}
@@ -94,16 +94,16 @@ def test_the_methods_are_named():
     [
         ((1, -1, -2), [sqrt(2)], True, "Descartes"),
         ((1, -3, 2), [1.0, sqrt(2)], True, "Descartes"),
-        ((1, -2, 2), [1.0, 1.5], False, "Sturm"),  # two sign changes and two said, but no root
-        ((1, -3, 2), [1.0], False, "Sturm"),
-        ((1, -3, 2), [1.0, 1.0], False, "Sturm"),  # one of them twice, the other missed
-        ((1, -3, 2), [1.0, 1.0 + 1e-15], False, "Sturm"),
-        ((1, -3, 2), [1.0, 1.4], False, "Sturm"),  # the other one elsewhere
-        ((1, -3, 2), [1.0, sqrt(2) * (1 + 1e-9)], False, "Sturm"),
-        ((1, -1, 1), [], True, "Sturm"),  # two sign changes, no root
-        ((1, -2, 1), [], True, "Sturm"),  # touches, does not cross
-        ((1, -3, 3, -1), [1.0], True, "Sturm"),  # three times the same root is one crossing
-        ((1, -3, 3, -1), [1.1], False, "Sturm"),
+        ((1, -2, 2), [1.0, 1.5], False, "halving"),  # two sign changes and two said, but no root
+        ((1, -3, 2), [1.0], False, "halving"),
+        ((1, -3, 2), [1.0, 1.0], False, "halving"),  # one of them twice, the other missed
+        ((1, -3, 2), [1.0, 1.0 + 1e-15], False, "halving"),
+        ((1, -3, 2), [1.0, 1.4], False, "halving"),  # the other one elsewhere
+        ((1, -3, 2), [1.0, sqrt(2) * (1 + 1e-9)], False, "halving"),
+        ((1, -1, 1), [], True, "halving"),  # two sign changes, no root
+        ((1, -2, 1), [], True, "halving"),  # touches, does not cross
+        ((1, -3, 3, -1), [1.0], True, "halving"),  # three times the same root is one crossing
+        ((1, -3, 3, -1), [1.1], False, "halving"),
         ((0,), [], True, "Descartes"),
     ],
 )
@@ -304,6 +304,6 @@ def test_how_a_peak_inside_is_proved_and_how_one_said_too_low_is_not():
         told = _least(squares, peak_)
         assert (told.holds, told.method) == (True, "Descartes")
         told = _least(squares, replace(peak_, least=1.01 * peak_.least))
-        assert (told.holds, told.method) == (False, "Sturm")
+        assert (told.holds, told.method) == (False, "halving")
     certificate = proved(loop, squares, look, found, stable=ROUTH)
     assert certificate.modulus_margin == _least(squares, found.peaks[0])

@@ -10,7 +10,7 @@ from zoh.analysis.certificates import Certificate, Proof
 from zoh.analysis.results import Gains, Margins, StepInfo, jsonable
 
 YES = Proof(holds=True, method="Descartes", detail="2 sign changes, 2 found")
-NO = Proof(holds=False, method="Sturm", detail="1 sign changes on the axis, 2 found")
+NO = Proof(holds=False, method="halving", detail="1 sign changes on the axis, 2 found")
 NAMES = [
     "stable",
     "gain_crossings",
@@ -78,7 +78,7 @@ def test_one_open_proof_opens_the_certificate(name):
     told = replace(COMPLETE, **{name: NO})
     assert (told.holds, told.open()) == (False, [name])
     yes = {"holds": True, "method": "Descartes", "detail": "2 sign changes, 2 found"}
-    no = {"holds": False, "method": "Sturm", "detail": "1 sign changes on the axis, 2 found"}
+    no = {"holds": False, "method": "halving", "detail": "1 sign changes on the axis, 2 found"}
     assert told.to_dict() == {"holds": False} | dict.fromkeys(NAMES, yes) | {name: no}
 
 

@@ -52,15 +52,6 @@ def test_product_and_sum_are_pointwise(a, b, x):
     assert abs(poly.at(poly.plus(a, b, -1.0), x) - poly.at(a, x) + poly.at(b, x)) <= 1e-13 * both
 
 
-@given(coefficients)
-def test_derivative_is_numpys(a):
-    assert poly.trim(poly.derivative(a)) == poly.trim(np.polyder(a).tolist() or [0.0])
-
-
-def test_derivative_of_a_constant_is_zero():
-    assert poly.derivative((3.0,)) == (0.0,)
-
-
 @pytest.mark.parametrize(
     ("a", "trimmed"),
     [((0.0, 0.0), (0.0,)), ((0.0, 1.0, 0.0), (1.0, 0.0)), ((), (0.0,)), ((-0.0, 2.0), (2.0,))],

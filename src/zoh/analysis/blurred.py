@@ -1,46 +1,63 @@
 """What the rounding of coefficients in w costs where a loop has a mode with hardly any damping.
 
-A hold's coefficients are proved to 60 bits and rounded once. Each may be off by a part 2^-53 of
-itself, twice that in a loop of two; so num(jv) is off by that part of its terms, and
-where they cancel, beside a zero or a pole next to the axis, L by a larger part rho of itself. A
-crossing moves by rho over the slope of the gain or of the phase there. First order, and an upper
-bound. Source: that of ``rounding``, which asks the same of given z-coefficients.
+A hold's coefficients are proved to 60 bits and rounded once, so each may be off by a part 2^-53 of
+itself. A factor's num(jv) is then off by that part of its terms, and where they cancel, beside a
+zero or a pole next to the axis, L by a larger part rho of itself. A crossing moves by rho over the
+slope of the gain or of the phase there, and |1 + L| by rho |L|. First order, and an upper bound.
+Source: that of ``rounding``, which asks the same of given z-coefficients.
 """
 
+from collections.abc import Sequence
 from math import degrees, inf
 
-from zoh.analysis.axis import terms
+from zoh.analysis.axis import scalar, terms
 from zoh.analysis.loop import Loop
-from zoh.analysis.margin_crossings import Crossings
+from zoh.analysis.results import Margins
+from zoh.lti.poly import Poly
 from zoh.lti.wplane import warp
 
-_UNIT = 2.0**-52
 _SAID = 1e-6  # deg, and relative: what is off by less is not worth a word
-_NOTHING = 1e-10  # relative; no slope makes more than _SAID of less
+_ASKED = 5e-10  # deg, and relative: more digits are taken where a figure is off by more
+_LOST = 1e-5  # by more of itself L is off only in the middle of a mode
+_LEAST = 2.0**-53  # of its terms: no float of a polynomial tells less from 0
 _END = 1e9  # v dt; beyond it is the end of the axis, where L is real whatever it is
 
 
-def blurs(loop: Loop, by_gain: Crossings, by_phase: Crossings) -> tuple[str, ...]:
-    """Return a sentence on the margins that may be off by a millionth or more; () is none.
+def is_blurred(loop: Loop, found: Margins, near: Sequence[float]) -> bool:
+    """Return whether rounding of w-coefficients leaves a figure fewer than ten digits.
 
-    by_gain, by_phase  every crossing of |L| = 1 and of L < 0 with its margin
+    near  v at which it may have lost L itself, and what passes there is not among the figures
     """
     if loop.given:
+        return False
+    if max([_part(loop, v) for v in near if v * (loop.dt or 0.0) < _END], default=0.0) > _LOST:
+        return True
+    _, by_phase = _worst(loop, found.gain_crossings, turning=True)
+    _, by_gain = _worst(loop, found.phase_crossings, turning=False)
+    peaks = {found.ms_frequency, found.mt_frequency, found.disk_frequency}
+    return max(degrees(by_phase), by_gain, *[_peak_off(loop, w) for w in peaks]) > _ASKED
+
+
+def blurs(loop: Loop, found: Margins) -> tuple[str, ...]:
+    """Return a sentence on the margins that may be off by a millionth or more; () is none."""
+    if loop.given:
         return ()
-    found = []
-    w, off = _worst(loop, by_gain, turning=True)
+    said = []
+    w, off = _worst(loop, found.gain_crossings, turning=True)
     if (off := degrees(off)) > _SAID:
-        found.append(f"the phase margin at {w:.6g} rad/s may be off by {off:.1g} deg")
-    w, off = _worst(loop, by_phase, turning=False)
+        said.append(f"the phase margin at {w:.6g} rad/s may be off by {off:.1g} deg")
+    w, off = _worst(loop, found.phase_crossings, turning=False)
     if off > _SAID:
-        found.append(f"the gain margin at {w:.6g} rad/s may be off by {100 * off:.1g} %")
-    if not found:
+        said.append(f"the gain margin at {w:.6g} rad/s may be off by {100 * off:.1g} %")
+    if not said:
         return ()
     reason = "a zero or a pole next to the axis is beside it"
-    return (f"by the rounding of coefficients in w {', '.join(found)}: {reason}",)
+    return (f"by the rounding of coefficients in w {', '.join(said)}: {reason}",)
 
 
-def _worst(loop: Loop, crossings: Crossings, *, turning: bool) -> tuple[float, float]:
+def _worst(
+    loop: Loop, crossings: tuple[tuple[float, float], ...], *, turning: bool
+) -> tuple[float, float]:
     """Return (w, by how much it may be off) of the crossing that is moved most."""
     moved = [(w, _off(loop, w, turning=turning)) for w, _ in crossings if w]
     return max(moved, key=lambda pair: pair[1], default=(0.0, 0.0))
@@ -51,13 +68,31 @@ def _off(loop: Loop, w: float, *, turning: bool) -> float:
     v = w if loop.dt is None else warp(w, loop.dt)
     if not v * (loop.dt or 0.0) < _END:
         return 0.0
-    top, bottom = map(abs, loop.point(v))
+    top, bottom, slope_top, slope_bottom = loop.slopes(v)
     if not (top and bottom):
         return 0.0
-    part = _UNIT * (terms(loop.num, v) / top + terms(loop.den, v) / bottom)
-    if not _NOTHING < part < inf:
-        return 0.0
-    n, d, dn, dd = loop.slopes(v)
-    slope = dn / n - dd / d
+    slope = slope_top / top - slope_bottom / bottom
     own, other = (slope.imag, slope.real) if turning else (slope.real, slope.imag)
-    return part * (1 + abs(own / other)) if other else inf
+    part = _part(loop, v)
+    return part * (1 + abs(own / other)) if other else inf if part else 0.0
+
+
+def _peak_off(loop: Loop, w: float) -> float:
+    """Return by which part of itself rounding moves |1 + L|."""
+    v = w if loop.dt is None else warp(w, loop.dt)
+    if not 0 < v * (loop.dt or 1.0) < _END:
+        return 0.0
+    top, bottom = loop.point(v)
+    part = _part(loop, v)
+    return part * max(1.0, abs(top) / above) if (above := abs(bottom + top)) else inf
+
+
+def _part(loop: Loop, v: float) -> float:
+    """Return by which part of itself rounding of its factors moves L."""
+    return sum([s.off * (_lost(s.num_w, v) + _lost(s.den_w, v)) for s in loop.made])
+
+
+def _lost(a: Poly, v: float) -> float:
+    """Return how much larger the terms of a(jv) are than it is."""
+    size = terms(a, v)
+    return size / max(abs(scalar(a, v)), _LEAST * size)

@@ -9,8 +9,9 @@ class Proof:
     """Why one figure misses nothing.
 
     holds   whether it is proved
-    method  "Routh", "Descartes" or "Sturm" (exact counts of a polynomial's roots), "discs" (bounds
-            between the points of a grid), "bound" (nothing to prove), or "none"
+    method  "Routh", "Descartes" or, on parts of the axis, "halving" (exact counts of a
+            polynomial's roots), "discs" (bounds between the points of a grid), "bound" (nothing
+            to prove), or "none"
     detail  what was counted or bounded
     """
 

@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from zoh.analysis.axis import scalar, with_slope
 from zoh.errors import SpecError
-from zoh.lti import poly, signs, whole
+from zoh.lti import divisors, poly, whole
 from zoh.lti.poly import Poly
 from zoh.lti.systems import Plant, Sampled
 from zoh.lti.whole import Whole
@@ -35,9 +35,7 @@ class Loop:
                coefficients without rounding, which num and den are the floats of
     dt         s, the sample time; None for a continuous loop
     dead_time  s, the delay kept apart from the polynomials
-    rounded    the factors that were given as z-coefficients
-    given      whether all of it is coefficients that were given, so that exact is the truth; what
-               a hold has made is rounded, and equals 1 or not but for that
+    factors    the systems that it is the product of
     """
 
     num: Poly
@@ -45,8 +43,7 @@ class Loop:
     exact: tuple[Whole, Whole]
     dt: float | None
     dead_time: float
-    rounded: tuple[Sampled, ...] = ()
-    given: bool = True
+    factors: tuple[Plant | Sampled, ...] = ()
 
     @classmethod
     def of(cls, *systems: Plant | Sampled) -> "Loop":
@@ -55,6 +52,29 @@ class Loop:
         The very same systems have the very same loop: a design is measured and looked at again.
         """
         return _in_series(_These(systems))
+
+    @property
+    def rounded(self) -> tuple[Sampled, ...]:
+        """Return the factors that were given as z-coefficients."""
+        return tuple([s for s in self.factors if isinstance(s, Sampled) and not s.off])
+
+    @property
+    def made(self) -> tuple[Sampled, ...]:
+        """Return the factors whose w-coefficients were computed, and are rounded."""
+        return tuple([s for s in self.factors if isinstance(s, Sampled) and s.off])
+
+    @property
+    def given(self) -> bool:
+        """Return whether all of it is coefficients that were given, so that exact is the truth.
+
+        What a hold has made is rounded, and equals 1 or not but for that.
+        """
+        return not self.made
+
+    def finer(self) -> "Loop":
+        """Return the loop with more digits of what a hold made; itself where no more are known."""
+        finer = [s.finer if isinstance(s, Sampled) else s for s in self.factors]
+        return self if all(map(is_, finer, self.factors)) else Loop.of(*finer)
 
     def frequency(self, v: float) -> float:
         """Return the real frequency in rad/s at v."""
@@ -132,10 +152,16 @@ class Loop:
         """
         return _ends(self)
 
+    def exact_end(self, v: float) -> tuple[int, int]:
+        """Return (num, den) at an end, v = 0 or infinity, without what they share there, in whole
+        numbers and but for their signs what ``ends`` has.
+        """
+        num, den = self.exact if v else (a[::-1] for a in self.exact)
+        return next(pair for pair in zip(num, den, strict=True) if any(pair))
+
     def is_one_at(self, v: float) -> bool:
         """Return whether |L| is 1, exactly, at one of its ends."""
-        num, den = self.exact if v else (a[::-1] for a in self.exact)
-        top, bottom = next(pair for pair in zip(num, den, strict=True) if any(pair))
+        top, bottom = self.exact_end(v)
         return abs(top) == abs(bottom)
 
     def closed(self, sign: float = 1.0) -> Poly:
@@ -149,9 +175,9 @@ class Loop:
         where nothing is shared.
         """
         num, den = self.exact
-        if not any(num) or signs.share_nothing(num, den):
+        if not any(num) or divisors.share_nothing(num, den):
             return None
-        shared = signs.common(num, den)
+        shared = divisors.common(num, den)
         if len(shared) == 1:
             return None
         num, den = whole.divided(num, shared), whole.divided(den, shared)
@@ -196,9 +222,9 @@ def _in_series(these: _These) -> Loop:
             )
     num: Whole
     den: Whole
-    num, den, unit, dead_time = _parts(systems[0]) if systems else ((1,), (1,), 1, 0.0)
+    num, den, unit, dead_time = wholes(systems[0]) if systems else ((1,), (1,), 1, 0.0)
     for system in systems[1:]:
-        top, bottom, its_unit, wait = _parts(system)
+        top, bottom, its_unit, wait = wholes(system)
         num, den = whole.times(num, top), whole.times(den, bottom)
         unit, dead_time = unit * its_unit, dead_time + wait
     num = [0] * (len(den) - len(num)) + list(num)
@@ -209,8 +235,7 @@ def _in_series(these: _These) -> Loop:
     return Loop(
         num=top_floats, den=bottom_floats, exact=(num, den), dt=_dt(first),
         dead_time=dead_time,
-        rounded=tuple([r for s in systems if isinstance(s, Sampled) for r in s.rounded]),
-        given=all([isinstance(s, Plant) or s.is_given for s in systems]),
+        factors=tuple([f for s in systems for f in _factors(s)]),
     )  # fmt: skip
 
 
@@ -238,7 +263,11 @@ def _dt(system: Plant | Sampled | None) -> float | None:
     return system.dt if isinstance(system, Sampled) else None
 
 
-def _parts(system: Plant | Sampled) -> tuple[Whole, Whole, int, float]:
+def _factors(system: Plant | Sampled) -> tuple[Plant | Sampled, ...]:
+    return system.factors if isinstance(system, Sampled) else (system,)
+
+
+def wholes(system: Plant | Sampled) -> tuple[Whole, Whole, int, float]:
     """Return (num, den, unit, delay): whole numbers that are the coefficients times unit."""
     if isinstance(system, Sampled):
         return *system.whole_w, system.delay * system.dt

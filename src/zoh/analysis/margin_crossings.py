@@ -8,15 +8,18 @@ from cmath import exp, phase
 from math import degrees, frexp, inf
 
 from zoh.analysis.axis import terms
-from zoh.analysis.loop import Loop
+from zoh.analysis.loop import Loop, wholes
 from zoh.analysis.sharp import EXACT, ROUNDED, as_v, closed_in, is_nothing
-from zoh.analysis.squares import Squares
+from zoh.analysis.squares import Squares, size
 from zoh.lti import poly
+from zoh.lti.systems import Plant, Sampled
+from zoh.lti.whole import Point
 
 _TOUCHES = 4e-15  # |L| this near to 1 at an end of what a hold made is 1: a few roundings, and
 _BLUR = 1e-6  # the crossing they make up this near to it (|L| is flat there) is none
 _SHARP = 1e-3  # of its terms: num conj den below that is beside a root of num or den, and lacks
 # the digits in floats, as does its place
+_MEANT = 2.0**-EXACT  # of a coefficient: what is off by less says where a root is, as given ones do
 _AT_A_ROOT = 1e-13  # of its terms: what num conj den is, in floats, at a root of num or den
 _SMALL, _LARGE = 1e-100, 1e100  # sizes whose squares a float holds, with room for a ratio
 
@@ -96,13 +99,19 @@ def _at_turn(
         beside.append(v)
     if near and squares.whole:
         q = closed_in(squares.turn, v)
-        bits = EXACT if loop.given else ROUNDED
-        if is_nothing(squares.top, q, bits) or is_nothing(squares.bottom, q, bits):
+        if any(_is_nothing_at(q, factor) for factor in loop.factors):
             return None  # L is 0 or infinite there
         return loop.frequency(as_v(q)), squares.factor(q)
     if not (product < 0 and product < -_AT_A_ROOT * bulk):
         return None
     return loop.frequency(v), -_square(bottom) / product * (of_top / of_bottom)
+
+
+def _is_nothing_at(q: Point, factor: Plant | Sampled) -> bool:
+    """Return whether a factor of the loop is 0 or infinite there, as far as its digits tell."""
+    meant = isinstance(factor, Plant) or factor.off < _MEANT
+    num, den, *_ = wholes(factor)
+    return any(is_nothing(size(a), q, EXACT if meant else ROUNDED) for a in (num, den))
 
 
 def _at_the_ends(loop: Loop) -> Crossings:

@@ -5,7 +5,8 @@ Im(num conj den) where the real part is negative; on the axis both are polynomia
 q = v^2, v = (2/dt) tan(w dt/2) for a sampled loop and v = w for a continuous one.
 
 A sparse look comes first. Where exact arithmetic proves that it has missed nothing, that is
-all; elsewhere a look from close by follows, and its proof.
+all; elsewhere the roots are isolated, exactly, or, where a delay leaves no polynomials, a look
+from close by follows, and its proof.
 Source: K. J. Astrom and R. M. Murray, Feedback Systems, 2nd ed., sec. 10.3 and 13.2 (margins,
 sensitivity peaks); P. Seiler, A. Packard, P. Gahinet, An Introduction to Disk Margins, IEEE
 Control Systems 40(5), 2020, eq. (5) with sigma = 0.
@@ -16,12 +17,13 @@ from math import inf, isnan, log, radians, tau
 
 import numpy as np
 
-from zoh.analysis.blurred import blurs
+from zoh.analysis.blurred import blurs, is_blurred
 from zoh.analysis.certificates import Proof
 from zoh.analysis.close import Close
+from zoh.analysis.isolated import Isolated
 from zoh.analysis.loop import Loop, out_of_range
 from zoh.analysis.margin_crossings import Crossings, gain_crossings, phase_crossings
-from zoh.analysis.needles import deeper, deepest, ratio_at_end
+from zoh.analysis.needles import deepest, ratio_at_end, runs_through
 from zoh.analysis.proof import Found, Look, Peak, proved
 from zoh.analysis.results import Margins
 from zoh.analysis.rounding import doubts
@@ -65,15 +67,18 @@ def measure_loop(loop: Loop) -> Margins:
     What the figures rest on is in their ``warnings`` alone.
     """
     try:
-        found = _looked_at(loop, decided(loop))
+        near: list[float] = []
+        found = _looked_at(loop, decided(loop), near)
+        if near and is_blurred(loop, found, near) and (finer := loop.finer()) is not loop:
+            loop, found = finer, _looked_at(finer, decided(finer), near)
         if not _holds(found) and (plain := loop.without_shared()) is not None:
-            loop, found = plain, _looked_at(plain, decided(loop))
+            loop, found = plain, _looked_at(plain, decided(loop), near)
     except OverflowError:
         raise out_of_range([*loop.num, *loop.den]) from None
     numbers = [found.gain_margin, found.phase_margin_deg, found.modulus_margin, found.mt]
     if any(map(isnan, [*numbers, found.disk_margin])):
         raise out_of_range([*loop.num, *loop.den])
-    told = (*_unproved(found), *doubts(loop, found), *found.warnings)
+    told = (*_unproved(found), *doubts(loop, found), *(blurs(loop, found) if near else ()))
     return replace(found, warnings=told) if told else found
 
 
@@ -84,10 +89,10 @@ def glance(loop: Loop) -> Margins:
     """
     try:
         if loop.dead_time <= _CHEAP * (loop.dt or 0.0):
-            return _looked_at(loop, decided(loop))
+            return _looked_at(loop, decided(loop), [])
         with np.errstate(all="ignore"):
             squares = Squares.of(loop)
-            return _measured(loop, squares, Close.of(loop, squares), decided(loop), prove=False)
+            return _measured(loop, squares, Close.of(loop, squares), decided(loop), [], prove=False)
     except OverflowError:
         raise out_of_range([*loop.num, *loop.den]) from None
 
@@ -114,20 +119,22 @@ def _nearest(by_gain: Crossings) -> tuple[float | None, float]:
     return min(by_gain, key=lambda c: abs(c[1]), default=(None, inf))
 
 
-def _looked_at(loop: Loop, stable: tuple[bool | None, Proof]) -> Margins:
-    """Return what a sparse look shows where it is proved to be all, else what a close one does."""
+def _looked_at(loop: Loop, stable: tuple[bool | None, Proof], near: list[float]) -> Margins:
+    """Return what a sparse look shows where it is proved to be all, else what a longer one does.
+
+    v of what may be beside a mode with next to no damping is added to ``near``.
+    """
     with np.errstate(all="ignore"):  # what overflows is asked for afterwards
         squares = Squares.of(loop)
         look = Sparse.of(loop, squares)
-        found = _measured(loop, squares, look, stable) if look else None
-        if found is None or not _holds(found):
-            closer = Close.of(loop, squares)
-            found = _measured(loop, squares, closer, stable)
-            if not _holds(found) and squares.whole:
-                found = _measured(loop, squares, closer, stable, deep=True)
-        if not _holds(found) and not squares.whole and (squares := Squares.of(loop, LONG)).whole:
-            found = _measured(loop, squares, Close.of(loop, squares), stable)
-        return found
+        found = _measured(loop, squares, look, stable, near) if look else None
+        if found is not None and _holds(found):
+            return found
+        if not squares.whole:
+            found = _measured(loop, squares, Close.of(loop, squares), stable, near)
+            if _holds(found) or not (squares := Squares.of(loop, LONG)).whole:
+                return found
+        return _measured(loop, squares, Isolated(squares=squares), stable, near)
 
 
 def _holds(m: Margins) -> bool:
@@ -143,15 +150,16 @@ def _unproved(m: Margins) -> tuple[str, ...]:
 
 def _measured(
     loop: Loop, squares: Squares, look: Look, decision: tuple[bool | None, Proof],
-    *, prove: bool = True, deep: bool = False,
+    near: list[float], *, prove: bool = True,
 ) -> Margins:  # fmt: skip
     """Return everything that a look at the loop shows, with the proof that it is everything."""
     stable, why = decision
     unities, turns, drops = look.unities(), look.turns(), look.drops()
-    beside: list[float] = []
-    by_phase = phase_crossings(loop, squares, unities, turns, beside)
-    by_gain = gain_crossings(loop, squares, unities, by_phase, beside)
-    peaks = [peak(loop, squares, look, below, deep=deep) for below in (ON_DEN, ON_NUM, ON_OPPOSITE)]
+    by_phase = phase_crossings(loop, squares, unities, turns, near)
+    by_gain = gain_crossings(loop, squares, unities, by_phase, near)
+    peaks = [peak(loop, squares, look, below) for below in (ON_DEN, ON_NUM, ON_OPPOSITE)]
+    if not isinstance(look, Sparse):
+        near += [peak.v for peak in peaks]
     found = Found(unities, turns, drops, peaks)
     certificate = proved(loop, squares, look, found, stable=why) if prove else None
     nearest_gain = min(by_phase, key=lambda c: abs(log(c[1])), default=(None, inf))
@@ -174,21 +182,12 @@ def _measured(
         gain_crossings=tuple(by_gain),
         phase_crossings=tuple(by_phase),
         certificate=certificate,
-        warnings=blurs(loop, by_gain, by_phase) if beside else (),
     )
 
 
-def peak(loop: Loop, squares: Squares, look: Look, below: Below, *, deep: bool = False) -> Peak:
-    """Return where |den + num|/|below| is least, both ends included.
-
-    deep  whether that is closed in on in whole numbers; where it is all but 0 it always is
-    """
-    place = look.lowest(below)
-    value = squares.ratio(place, below) if squares.whole else loop.ratio(place, below)
-    if value < _NEEDLE and squares.whole:
-        place, value = deepest(squares, [place, *look.turns()], below)
-    elif deep:
-        place, value = deeper(squares, [place], below)
+def peak(loop: Loop, squares: Squares, look: Look, below: Below) -> Peak:
+    """Return where |den + num|/|below| is least, both ends included."""
+    place, value = _lowest(loop, squares, look, below)
     for v, top, bottom in loop.ends():
         under = abs(below[0] * bottom + below[1] * top)
         if not under:
@@ -200,6 +199,18 @@ def peak(loop: Loop, squares: Squares, look: Look, below: Below, *, deep: bool =
         if at_end <= value * (1 + 1e-14):
             place, value = v, at_end
     return Peak(v=place, least=value, below=below)
+
+
+def _lowest(loop: Loop, squares: Squares, look: Look, below: Below) -> tuple[float, float]:
+    """Return (v, the ratio there) of the least value that a look shows between the ends."""
+    if isinstance(look, Isolated):
+        place, value = look.least(below)
+        return place, 0.0 if value < _NEEDLE and runs_through(squares) else value
+    place = look.lowest(below)
+    value = squares.ratio(place, below) if squares.whole else loop.ratio(place, below)
+    if value < _NEEDLE and squares.whole:
+        return deepest(squares, [place, *look.turns()], below)
+    return place, value
 
 
 def _delay_margin(loop: Loop, by_gain: Crossings) -> float:

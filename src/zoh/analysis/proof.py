@@ -1,9 +1,9 @@
 """Proofs that no crossing was missed and no peak is higher than was found.
 
-Descartes' rule bounds the number of positive roots of a polynomial from above, Sturm's chain
-counts them; a peak is proved by a polynomial without positive roots, |D + N|^2 - m^2 |D|^2 for
-a modulus margin just below m. All of it in whole numbers. Where a delay leaves no polynomial,
-``discs`` proves the same between the points of a grid.
+Descartes' rule bounds the number of positive roots of a polynomial from above, and on intervals
+that are halved it counts them; a peak is proved by a polynomial without positive roots,
+|D + N|^2 - m^2 |D|^2 for a modulus margin just below m. All of it in whole numbers. Where a delay
+leaves no polynomial, ``discs`` proves the same between the points of a grid.
 """
 
 from collections.abc import Sequence
@@ -14,6 +14,7 @@ from typing import NamedTuple
 from zoh.analysis import discs
 from zoh.analysis.certificates import Certificate, Proof
 from zoh.analysis.close import Close
+from zoh.analysis.isolated import Isolated
 from zoh.analysis.loop import Array, Loop
 from zoh.analysis.sharp import apart
 from zoh.analysis.sparse import Sparse
@@ -28,7 +29,7 @@ _NOT_APART = ", not each with a sign change of its own"
 _BITS = 41  # of the square of a peak: its last one is less than a thousandth of PEAK_TOL
 
 
-Look = Sparse | Close
+Look = Sparse | Close | Isolated
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,7 +53,7 @@ class Found(NamedTuple):
 def proved(loop: Loop, squares: Squares, look: Look, found: Found, *, stable: Proof) -> Certificate:
     """Return the proofs for what was found in a look."""
     gain = counted(squares.gain, found.unities)
-    if isinstance(look, Sparse) or squares.whole:
+    if not isinstance(look, Close) or squares.whole:
         modulus, complementary, disk = (_least(squares, peak) for peak in found.peaks)
         phases = counted(squares.turn, found.turns)
         passages = counted(squares.drop, found.drops)
@@ -91,7 +92,7 @@ def counted(a: Whole, found: Sequence[float]) -> Proof:
     holds = number == len(found)
     if holds and not _apart(a, found):
         holds, detail = False, detail + _NOT_APART
-    return Proof(holds=holds, method="Sturm", detail=detail)
+    return Proof(holds=holds, method="halving", detail=detail)
 
 
 def _apart(a: Whole, found: Sequence[float]) -> bool:
@@ -111,7 +112,7 @@ def _least(squares: Squares, peak: Peak) -> Proof:
     method = signs.positive(above, peak.v**2)
     return Proof(
         holds=method is not None,
-        method=method or "Sturm",
+        method=method or "halving",
         detail=f"nowhere below {peak.least:.9g} by more than {PEAK_TOL:g} of it",
     )
 

@@ -11,9 +11,7 @@ from math import inf
 
 from zoh.analysis.squares import squared
 from zoh.lti import whole
-from zoh.lti.whole import Whole
-
-Point = tuple[int, int]  # q as a fraction, its bottom a power of two
+from zoh.lti.whole import Point, Whole, derivative
 
 _MORE = 128  # bits of a root beyond those of the float it starts from
 _ALMOST = 70  # bits that are right: the next step of Newton's method makes them more than _MORE
@@ -101,13 +99,3 @@ def apart(f: Callable[[float], float], found: Sequence[float], within: float = A
         if not (below < 0 < above or above < 0 < below):
             return False
     return True
-
-
-def derivative(a: Whole) -> list[int]:
-    """Return da/dq.
-
-    >>> derivative((1, 2, 3))
-    [2, 2]
-    """
-    n = len(a) - 1
-    return [c * (n - i) for i, c in enumerate(a[:-1])] or [0]

@@ -123,6 +123,16 @@ class Squares:
         return whole.at_fraction(a, *q) / under if under else inf
 
 
+def size(a: Whole) -> list[int]:
+    """Return |a(jv)|^2 as a polynomial in q = v^2.
+
+    >>> size((1, 2, 3))  # (3 - q)^2 + 4 q
+    [1, -2, 9]
+    """
+    even, odd = whole.on_axis(a)
+    return whole.plus(whole.times(even, even), [*whole.times(odd, odd), 0])
+
+
 def squared(v: float) -> tuple[int, int]:
     """Return v^2 as a fraction, of the float where that has all its digits.
 

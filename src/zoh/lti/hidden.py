@@ -10,7 +10,7 @@ from math import gcd, lcm
 
 import numpy as np
 
-from zoh.lti import digits, poly, signs, whole
+from zoh.lti import digits, divisors, poly, signs, whole
 from zoh.lti.digits import Exact
 from zoh.lti.poly import ComplexArray
 from zoh.lti.systems import Plant
@@ -44,7 +44,7 @@ class Apart:
         ratios = [[c.as_integer_ratio() for c in a] for a in (num, den)]
         unit = lcm(*(bottom for a in ratios for _, bottom in a))
         top, bottom = ([a * (unit // b) for a, b in ratio] for ratio in ratios)
-        if signs.share_nothing(top, bottom) or len(modes := signs.common(top, bottom)) == 1:
+        if divisors.share_nothing(top, bottom) or len(modes := divisors.common(top, bottom)) == 1:
             return None
         part = gcd(modes[0], 10 ** modes[0].bit_length())  # decimals can divide by it
         top, bottom = ([c * part for c in whole.divided(a, modes)] for a in (top, bottom))
@@ -75,7 +75,7 @@ def unstable_hidden(plant: Plant) -> list[complex]:
     if apart is None or apart.stable:
         return []
     # rounding moves a repeated root by far
-    once = whole.divided(apart.factor, signs.repeated(apart.factor))
+    once = whole.divided(apart.factor, divisors.repeated(apart.factor))
     return [complex(s) for s in _roots(once).tolist() if s.real >= -_ON_AXIS * abs(s)]
 
 

@@ -95,16 +95,6 @@ def padded(a: Sequence[float], n: int) -> Poly:
     return (0.0,) * (n - len(a)) + tuple(a)
 
 
-def derivative(a: Sequence[float]) -> Poly:
-    """Return da/dx.
-
-    >>> derivative((1.0, 2.0, 3.0))
-    (2.0, 2.0)
-    """
-    n = len(a) - 1
-    return tuple(c * (n - i) for i, c in enumerate(a[:-1])) or (0.0,)
-
-
 def roots(a: Sequence[float]) -> ComplexArray:
     """Return the roots of ``a``, those at zero exact; the empty array for a constant.
 

@@ -2,7 +2,7 @@
 
 import cmath
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, overload
 
@@ -17,9 +17,10 @@ from zoh.lti.poly import ComplexArray, Poly
 from zoh.lti.whole import of, times
 from zoh.lti.wplane import w_to_z, z_to_w
 
-Wholes = tuple[list[int], list[int], int]  # num, den, and the one power of two that they are times
+Wholes = tuple[list[int], list[int], int]  # num, den, and the one number that they are times
 
 MOST_DELAY = 1_000_000  # samples; z^-delay is written out in the z-coefficients
+_A_FLOAT = 2.0**-53  # of a coefficient: what rounding it to a float puts it off by
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,8 +31,9 @@ class Sampled:
     num_w, den_w, delay  the same system as num_w(w)/den_w(w) z^-delay with
     w = (2/dt)(z-1)/(z+1); both have the same length, leading zeros are roots at z = -1.
     The work is done in w, where digits survive a small dt; z is what goes in and out.
-    rounded  the factors of this system whose z-coefficients were given, and so may have lost
-    digits that no later care brings back: itself, unless it was made in w
+    factors  the systems that this one is the product of; itself, unless it is one
+    off      by which part of itself a coefficient of ``whole_w`` may be off, of one factor: 0 where
+    the z-coefficients were given, which may have lost digits that no later care brings back
 
     Raises SpecError for dt <= 0, an acausal, an empty or a zero fraction.
 
@@ -45,8 +47,10 @@ class Sampled:
     num_w: Poly = field(init=False, repr=False, compare=False)
     den_w: Poly = field(init=False, repr=False, compare=False)
     delay: int = field(init=False, repr=False, compare=False)
-    _given: "tuple[Sampled, ...] | None" = field(init=False, repr=False, compare=False)
+    off: float = field(init=False, repr=False, compare=False)
+    _factors: "tuple[Sampled, ...]" = field(init=False, repr=False, compare=False)
     _whole: Wholes | None = field(init=False, repr=False, compare=False)
+    _finer: "Callable[[], Sampled] | None" = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         put = object.__setattr__
@@ -62,20 +66,28 @@ class Sampled:
         put(self, "num_w", _floats(num, unit))
         put(self, "den_w", _floats(den, unit))
         put(self, "delay", delay)
-        put(self, "_given", None)
+        put(self, "off", 0.0)
+        put(self, "_factors", ())
         put(self, "_whole", (num, den, unit))
+        put(self, "_finer", None)
 
     @property
-    def rounded(self) -> "tuple[Sampled, ...]":
-        """Return the factors whose z-coefficients were given."""
-        return (self,) if self._given is None else self._given
+    def factors(self) -> "tuple[Sampled, ...]":
+        """Return the systems that this one is the product of; itself, unless it is one."""
+        return self._factors or (self,)
+
+    @property
+    def finer(self) -> "Sampled":
+        """Return the factor with more digits in ``whole_w``; itself where no more are known."""
+        return self if self._finer is None else self._finer()
 
     @property
     def whole_w(self) -> Wholes:
         """Return (num, den, unit): the w-form times unit in whole numbers, exactly; kept.
 
         Of given z-coefficients it is what these say, of others what the floats of num_w and
-        den_w say; a plant's hidden modes are in both, exactly, and a product is that of these.
+        den_w say, or more digits; a plant's hidden modes are in both, exactly, and a product is
+        that of these.
         """
         if self._whole is None:
             (num, den), unit = of(self.num_w, self.den_w)
@@ -83,17 +95,17 @@ class Sampled:
             return num, den, unit
         return self._whole
 
-    @property
-    def is_given(self) -> bool:
-        """Return whether its z-coefficients are those that somebody gave."""
-        return self._given is None
-
     @classmethod
     def made(
         cls, *, num: Poly, den: Poly, dt: float, num_w: Poly, den_w: Poly, delay: int = 0,
-        rounded: "tuple[Sampled, ...]" = (), exact: Wholes | None = None,
+        exact: Wholes | None = None, off: float = _A_FLOAT, factors: "tuple[Sampled, ...]" = (),
+        finer: "Callable[[], Sampled] | None" = None,
     ) -> "Sampled":  # fmt: skip
-        """Return a system whose two forms were computed together, from parameters."""
+        """Return a system whose two forms were computed together, from parameters.
+
+        exact, off, factors  ``whole_w`` where it is more than the floats, and as above
+        finer                what computes the same with more digits in ``whole_w``
+        """
         system, put = object.__new__(cls), object.__setattr__
         put(system, "num", num if num[0] else poly.trim(num))
         put(system, "den", den if den[0] else poly.trim(den))
@@ -101,28 +113,24 @@ class Sampled:
         put(system, "num_w", num_w)
         put(system, "den_w", den_w)
         put(system, "delay", delay)
-        put(system, "_given", rounded)
+        put(system, "off", off)
+        put(system, "_factors", factors)
         put(system, "_whole", exact)
+        put(system, "_finer", finer)
         return system
 
-    def sharing(self, plain: "Sampled", modes: "Sampled") -> "Sampled":
-        """Return this system with the w-form plain den_w/den_w, den_w that of ``modes``, exactly.
-
-        What is common to numerator and denominator is so in ``whole_w``, too.
-        """
-        (shared,), its_unit = of(modes.den_w)
-        num, den, unit = plain.whole_w
-        num, den, unit = times(num, shared), times(den, shared), unit * its_unit
+    def holding(self, exact: Wholes, off: float) -> "Sampled":
+        """Return this system with another ``whole_w``, each coefficient off by a part of itself."""
         return Sampled.made(
-            num=self.num, den=self.den, dt=self.dt, num_w=_floats(num, unit),
-            den_w=_floats(den, unit), delay=self.delay, exact=(num, den, unit),
+            num=self.num, den=self.den, dt=self.dt, num_w=_floats(exact[0], exact[2]),
+            den_w=_floats(exact[1], exact[2]), delay=self.delay, exact=exact, off=off,
+            finer=self._finer,
         )  # fmt: skip
 
     @classmethod
     def from_w(
-        cls, *, num_w: Sequence[float], den_w: Sequence[float], dt: float, delay: int = 0,
-        rounded: "tuple[Sampled, ...]" = (),
-    ) -> "Sampled":  # fmt: skip
+        cls, *, num_w: Sequence[float], den_w: Sequence[float], dt: float, delay: int = 0
+    ) -> "Sampled":
         """Return the system num_w(w)/den_w(w) z^-delay; z-coefficients scaled to den[0] = 1.
 
         Raises SpecError for dt <= 0, a negative delay or a denominator of zeros.
@@ -140,11 +148,11 @@ class Sampled:
         n = max(len(num_w), len(den_w))
         num_w, den_w = poly.padded(num_w, n), poly.padded(den_w, n)
         (num, den), unit = of(num_w, den_w)
-        return cls._exactly((num, den, unit), dt, delay, rounded)
+        return cls._exactly((num, den, unit), dt, delay)
 
     @classmethod
     def _exactly(
-        cls, exact: Wholes, dt: float, delay: int, rounded: "tuple[Sampled, ...]"
+        cls, exact: Wholes, dt: float, delay: int, factors: "tuple[Sampled, ...]" = ()
     ) -> "Sampled":
         """Return the system whose w-form this is; num and den of one length."""
         num, den, unit = exact
@@ -160,8 +168,8 @@ class Sampled:
             num_w=_floats(num, unit),
             den_w=_floats(den, unit),
             delay=delay,
-            rounded=rounded,
             exact=exact,
+            factors=factors,
         )
 
     @overload
@@ -210,7 +218,7 @@ class Sampled:
         mine, its = self.whole_w, other.whole_w
         exact = times(mine[0], its[0]), times(mine[1], its[1]), mine[2] * its[2]
         return Sampled._exactly(
-            exact, self.dt, self.delay + other.delay, self.rounded + other.rounded
+            exact, self.dt, self.delay + other.delay, self.factors + other.factors
         )
 
     def corners(self) -> npt.NDArray[np.float64]:

@@ -6,9 +6,11 @@ out. What is decided of them is in ``signs``.
 """
 
 from collections.abc import Sequence
+from itertools import accumulate
 from math import ldexp, sqrt
 
 Whole = Sequence[int]
+Point = tuple[int, int]  # a fraction, its bottom a power of two
 
 
 def of(*polynomials: Sequence[float]) -> tuple[list[list[int]], int]:
@@ -74,6 +76,16 @@ def plus(a: Whole, b: Whole, factor: int = 1) -> list[int]:
         n = max(len(a), len(b))
         a, b = [0] * (n - len(a)) + list(a), [0] * (n - len(b)) + list(b)
     return [x + factor * y for x, y in zip(a, b, strict=True)]
+
+
+def derivative(a: Whole) -> list[int]:
+    """Return da/dx.
+
+    >>> derivative((1, 2, 3))
+    [2, 2]
+    """
+    n = len(a) - 1
+    return [c * (n - i) for i, c in enumerate(a[:-1])] or [0]
 
 
 def packed(a: Whole, bits: int) -> int:
@@ -186,10 +198,11 @@ def shifted(a: Whole) -> list[int]:
     >>> shifted((1, 0, 0))
     [1, 2, 1]
     """
-    out = list(a)
-    for end in range(len(out), 1, -1):
-        for j in range(1, end):
-            out[j] += out[j - 1]
+    rest, out = list(a), []
+    while rest:  # divided by x - 1 again and again, the remainders are the coefficients
+        rest = list(accumulate(rest))
+        out.append(rest.pop())
+    out.reverse()
     return out
 
 

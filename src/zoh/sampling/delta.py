@@ -11,15 +11,15 @@ Source: R. H. Middleton and G. C. Goodwin, Digital Control and Estimation: A Uni
 (the delta operator).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import comb
 from operator import mul
 
-from zoh.lti.systems import Sampled
+from zoh.lti.sampled import Sampled, Wholes
 
-_SURE = 60  # bits of a coefficient; a float has 53
+SURE = 60  # bits of a coefficient; a float has 53
 _NO_FLOAT = 1076  # 2^-1076 rounds to 0
 
 Table = tuple[tuple[int, ...], ...]
@@ -145,8 +145,10 @@ class Forms:
     bits: int
     gain: int
 
-    def missing_bits(self) -> int | None:
+    def missing_bits(self, sure: int = SURE) -> int | None:
         """Return how many more bits make every coefficient sure, None for no one knows.
+
+        sure  how many bits of it are to be right
 
         What is below the least float with its error is 0 in z, and sure.
         """
@@ -155,11 +157,11 @@ class Forms:
         for values, errors, nothing in zip(self.values, self.errors, least, strict=True):
             for i, error in enumerate(errors):
                 size = abs(values[i])
-                if size >> _SURE >= error or (size + error).bit_length() <= nothing:
+                if size >> sure >= error or (size + error).bit_length() <= nothing:
                     continue
                 if size <= error:
                     return None
-                missing = max(missing, _SURE + 2 + error.bit_length() - size.bit_length())
+                missing = max(missing, sure + 2 + error.bit_length() - size.bit_length())
         return missing
 
     def lost_bits(self) -> int:
@@ -174,8 +176,26 @@ class Forms:
         ]
         return replace(self, values=values)
 
-    def rounded(self, dt: float, delay: int) -> Sampled:
+    def whole(self, dt: float, sure: int) -> Wholes:
+        """Return (num, den, unit) in w = (2/dt) p, whole numbers times unit, so many bits of each.
+
+        In units of it the first coefficient of the denominator is 1.
+        """
+        top, bottom = dt.as_integer_ratio()
+        up, down = max(self.gain, 0), max(-self.gain, 0)
+        n = len(self.values[1]) - 1
+        units = [top ** (n - i) * (2 * bottom) ** i for i in range(n + 1)]
+        num = [c * u << up for c, u in zip(self.values[1], units, strict=True)]
+        den = [c * u << down for c, u in zip(self.values[3], units, strict=True)]
+        spare = min([c.bit_length() for c in (*num, *den) if c]) - sure
+        if spare > 0:
+            num, den = ([(c >> spare - 1) + 1 >> 1 for c in a] for a in (num, den))
+        return num, den, next(c for c in den if c)
+
+    def rounded(self, dt: float, delay: int, finer: Callable[[], Sampled] | None = None) -> Sampled:
         """Return the system, every coefficient the float next to it; delay in samples.
+
+        finer  what computes the same with more digits
 
         In w = (2/dt) p the first coefficient of the denominator is 1. Raises OverflowError where
         one leaves a float's range.
@@ -198,6 +218,7 @@ class Forms:
             num_w=tuple(num_w),
             den_w=tuple(den_w),
             delay=delay,
+            finer=finer,
         )
 
 

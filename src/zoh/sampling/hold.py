@@ -20,7 +20,7 @@ z-Transform Method (modified z-transform).
 """
 
 from decimal import Decimal
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import ceil, ulp
 from typing import overload
 
@@ -30,7 +30,10 @@ from zoh.lti import digits
 from zoh.lti.digits import Exact
 from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.hidden import Apart
+from zoh.lti.sampled import Wholes
 from zoh.lti.systems import Plant, Sampled, sample_time
+from zoh.lti.whole import times
+from zoh.sampling.delta import SURE, Forms
 from zoh.sampling.fixed import Ratio
 from zoh.sampling.images import sampled_table
 from zoh.sampling.response import FixedResponse, Scaled
@@ -38,6 +41,7 @@ from zoh.sampling.rounding import with_a_gain
 
 MAX_DELAY = 10_000  # samples; a loop that waits longer is not a feedback loop
 _NOTHING = 256  # bits beyond all that was lost: no true coefficient is anywhere near as small
+_FINE = 256  # bits of a coefficient in w where a mode has next to no damping
 _NOW: Ratio = (0, 1)
 _ONE = Decimal(1)
 
@@ -75,6 +79,9 @@ def sample(
     return with_a_gain(_held(plant.exact, plant.sensor, dt, plant.dead_time, compute_delay))
 
 
+Held = tuple[tuple[Exact, Exact], float, float, float, float]  # num/den, sensor, dt, two delays
+
+
 @lru_cache(maxsize=256)
 def _held(
     exact: tuple[Exact, Exact], sensor: float, dt: float, dead_time: float, compute_delay: float
@@ -83,35 +90,13 @@ def _held(
 
     What its num and den share they share afterwards, too: a hidden mode on the boundary is there.
     """
-    held, apart = _as_it_is(exact, sensor, dt, dead_time, compute_delay), Apart.of(*exact)
-    if apart is None:
-        return held
-    plain = _as_it_is((apart.num, apart.den), sensor, dt, dead_time, compute_delay)
-    return held.sharing(plain, _as_it_is(((_ONE,), apart.modes), 1.0, dt, 0.0, 0.0))
-
-
-def _as_it_is(
-    exact: tuple[Exact, Exact], sensor: float, dt: float, dead_time: float, compute_delay: float
-) -> Sampled:
-    """Return the plant held, each coefficient by itself."""
-    m, whole = _samples(dead_time, compute_delay, dt)
-    lead = _NOW if whole else _lead(m, dead_time, compute_delay, dt)
-    plant = Scaled.of(*exact, sensor, dt)
-    bits, last = plant.first_bits(), False
+    what = exact, sensor, dt, dead_time, compute_delay
     try:
-        while True:
-            found = FixedResponse.of(plant, bits).sampled(lead).forms()
-            missing = found.missing_bits()
-            if missing == 0:
-                return found.rounded(dt, m)
-            if missing is not None:
-                bits += missing
-            elif last:
-                return found.cleared().rounded(dt, m)
-            else:  # where the errors fill the number, they say nothing of what is missing
-                lost = found.lost_bits()
-                last = lost < bits
-                bits += lost + _NOTHING if last else bits
+        forms, m = _forms(what, SURE)
+        held = forms.rounded(dt, m, partial(_finer, what))
+        if (apart := Apart.of(*exact)) is None:
+            return held
+        plain, modes = (_forms(part, SURE)[0].rounded(dt, m) for part in _parted(what, apart))
     except OverflowError:
         raise SpecError(
             "dt",
@@ -119,6 +104,59 @@ def _as_it_is(
             dt,
             "sample faster: an unstable mode outgrows 1e308 within one sample",
         ) from None
+    return held.holding(_sharing(plain.whole_w, modes.whole_w), held.off)
+
+
+@lru_cache(maxsize=8)
+def _finer(what: Held) -> Sampled:
+    """Return the plant held, its w-coefficients with the digits that an undamped mode asks for."""
+    exact, *_ = what
+    apart = Apart.of(*exact)
+    found = _sharing(*map(_whole, _parted(what, apart))) if apart else _whole(what)
+    return _held(*what).holding(found, 2.0 ** (1 - _FINE))
+
+
+def _whole(what: Held) -> Wholes:
+    forms, _ = _forms(what, _FINE)
+    return forms.whole(what[2], _FINE)
+
+
+def _parted(what: Held, apart: Apart) -> tuple[Held, Held]:
+    """Return the plant without its hidden modes, and these."""
+    _, sensor, dt, dead_time, compute_delay = what
+    plain = (apart.num, apart.den), sensor, dt, dead_time, compute_delay
+    return plain, (((_ONE,), apart.modes), 1.0, dt, 0.0, 0.0)
+
+
+def _sharing(plain: Wholes, modes: Wholes) -> Wholes:
+    """Return ``plain`` with the denominator of ``modes`` in its numerator and denominator."""
+    (num, den, unit), (_, shared, its_unit) = plain, modes
+    return times(num, shared), times(den, shared), unit * its_unit
+
+
+def _forms(what: Held, sure: int) -> tuple[Forms, int]:
+    """Return (the plant held, so many bits of each coefficient sure, its delay in samples).
+
+    Raises OverflowError where an unstable mode outgrows every number.
+    """
+    exact, sensor, dt, dead_time, compute_delay = what
+    m, whole = _samples(dead_time, compute_delay, dt)
+    lead = _NOW if whole else _lead(m, dead_time, compute_delay, dt)
+    plant = Scaled.of(*exact, sensor, dt)
+    bits, last = plant.first_bits() + sure - SURE, False
+    while True:
+        found = FixedResponse.of(plant, bits).sampled(lead).forms()
+        missing = found.missing_bits(sure)
+        if missing == 0:
+            return found, m
+        if missing is not None:
+            bits += missing
+        elif last:
+            return found.cleared(), m
+        else:  # where the errors fill the number, they say nothing of what is missing
+            lost = found.lost_bits()
+            last = lost < bits
+            bits += lost + _NOTHING if last else bits
 
 
 def whole_samples(dead_time: float, compute_delay: float, dt: float) -> tuple[int, Decimal]:
