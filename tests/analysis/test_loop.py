@@ -10,6 +10,7 @@ import pytest
 
 from zoh.analysis.axis import scalar
 from zoh.analysis.loop import Loop, out_of_range
+from zoh.analysis.margins import measure_loop
 from zoh.errors import SpecError
 from zoh.lti.systems import Plant, Sampled
 
@@ -179,3 +180,25 @@ def test_the_ends_of_the_axis(loop, ends):
 def test_powers_that_neither_has_are_left_out_at_infinity():
     loop = Loop.of(Sampled.from_w(num_w=(0.0, 2.0, 3.0), den_w=(0.0, 4.0, 5.0), dt=0.5))
     assert loop.ends() == ((0.0, 3.0, 5.0), (inf, 2.0, 4.0))
+
+
+def test_a_product_of_given_systems_is_given():
+    """1.5 (1 + 2^-52)/(z - 0.5) leaves at -(1 + 2^-52), above 1: |L| is 1 nowhere, times 1, too."""
+    above = Sampled(num=[1.5 * (1 + 2.0**-52)], den=[1, -0.5], dt=0.1)
+    one, made = (Sampled(num=[1], den=[1], dt=0.1), Sampled.from_w(num_w=[1], den_w=[1], dt=0.1))
+    found = measure_loop(Loop.of(above))
+    assert found.gain_crossings == ()
+    assert found.gain_margin == 1 / (1 + 2.0**-52)
+    for loop in (Loop.of(above * one), Loop.of(one * above * one), Loop.of(above, one)):
+        assert loop.given
+        assert measure_loop(loop) == found
+    assert not Loop.of(above * made).given
+    assert (one * (above * made)).factors == (one, above, made)
+
+
+def test_what_is_given_next_to_undamped_is_not_doubted():
+    """A mode in z that has all its digits: no rounding is behind it, alone or in a product."""
+    mode = Sampled(num=[2.0**-30], den=[1, -1.5, 1 - 2.0**-31], dt=0.1)
+    one = Sampled(num=[1], den=[1], dt=0.1)
+    for loop in (mode, mode * one):
+        assert not [said for said in measure_loop(Loop.of(loop)).warnings if "in w" in said]

@@ -184,3 +184,34 @@ def test_nothing_is_shared_with_nothing():
     assert not divisors.share_nothing([prime, 1], [2 * prime, 1])
     assert divisors.share_nothing([prime, 1], [2, 1])
     assert divisors.share_nothing([2], [3])
+
+
+@given(ROOTS)
+def test_roots_are_isolated_where_they_are(roots):
+    found = signs.odd_roots(from_roots(roots))
+    times = Counter(roots)
+    true = sorted(r for r in times if r > 0 and times[r] % 2)
+    assert len(found) == len(true)
+    for q, r in zip(found, true, strict=True):
+        assert abs(Fraction(*q) - r) <= r / 2**71
+
+
+@pytest.mark.parametrize("apart", [20, 100, 700])
+@pytest.mark.parametrize("high", [-300, 0, 300])
+def test_roots_are_isolated_however_close_they_lie(apart, high):
+    """Three single roots 2^-apart of themselves away, a double one and a pair between them."""
+    unit, near = Fraction(2) ** high, Fraction(1, 2**apart)
+    singles = [unit * (1 + i * near) for i in (-1, 0, 1)]
+    a = from_roots([*singles, *[unit * (1 + near / 2)] * 2])
+    middle = unit * (1 - near / 2)  # and (x - middle)^2 + (middle near/64)^2
+    pair = [1, -2 * middle, middle**2 * (1 + near**2 / 4096)]
+    common = pair[2].denominator
+    a = whole.times(a, [int(c * common) for c in pair])
+    assert (signs.positive_roots(a), signs.crossings(a)) == (4, 3)
+    found = [Fraction(*q) for q in signs.odd_roots(a)]
+    assert found == sorted(found)
+    for q, r in zip(found, singles, strict=True):
+        assert abs(q - r) <= r / 2**71
+    if apart > 71:
+        return  # the fractions have fewer digits than tell the roots apart
+    assert len(set(found)) == 3

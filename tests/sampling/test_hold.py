@@ -2,7 +2,7 @@
 
 import json
 from itertools import zip_longest
-from math import exp, inf, nan
+from math import ceil, exp, inf, nan
 from pathlib import Path
 
 import pytest
@@ -198,3 +198,32 @@ def test_refuses_a_plant_that_leaves_the_floats_within_a_sample():
 def test_refuses_a_plant_whose_gain_is_lost_within_a_sample():
     with pytest.raises(SpecError, match="a gain that a float can hold"):
         sample(Plant(num=[1], den=[1, 0, 0]), 1e-200)  # dt^2/2
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.35, 2.0])
+@pytest.mark.parametrize("dt", [1e-5, 0.3, 2.0])
+def test_finer_coefficients_have_two_hundred_and_fifty_bits(dt, delay):
+    """k/((s + a)(s + b)) and behind it a hidden mode, at three points w, in 100 digits."""
+    k, a, b = 1.25, 0.7, 3.0
+    plain = Plant.zpk(zeros=[], poles=[-a, -b], gain=k, dead_time=delay * dt)
+    mode = [complex(-0.1, 5.0), complex(-0.1, -5.0)]
+    hiding = Plant.zpk(zeros=mode, poles=[-a, -b, *mode], gain=k, dead_time=delay * dt)
+    with mp.workdps(100):
+        step = mpf(dt)
+        lead = ceil(delay) * step - mpf(delay * dt)
+        p = (-mpf(a), -mpf(b))
+        residues = [k / p[0] / (p[0] - p[1]), k / p[1] / (p[1] - p[0])]
+        for system in (sample(plain, dt), sample(hiding, dt)):
+            assert system.off == 2.0**-53
+            finer = system.finer
+            assert (finer.num, finer.den, finer.num_w) == (system.num, system.den, system.num_w)
+            assert finer.off < 2.0**-250
+            num, den, _ = finer.whole_w
+            for w in (mp.mpc(0.1, 0.2), mp.mpc(0, 1), mp.mpc(-3, 0.5)):
+                back = (1 - w * step / 2) / (1 + w * step / 2)
+                held = k / (p[0] * p[1])
+                for r, q in zip(residues, p, strict=True):
+                    held += r * mp.exp(q * lead) * (1 - back) / (1 - mp.exp(q * step) * back)
+                top, bottom = (sum(c * w**i for i, c in enumerate(x[::-1])) for x in (num, den))
+                # 1e-65: powers of a small dt cancel in the truth, which began with 100 digits
+                assert abs(top / bottom / held - 1) < mpf(10) ** -65
