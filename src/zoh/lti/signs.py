@@ -7,7 +7,6 @@ from collections.abc import Callable
 from fractions import Fraction
 from math import frexp, inf, ldexp
 from operator import ne
-from typing import NamedTuple
 
 from zoh.lti import divisors
 from zoh.lti.whole import Point, Whole, at_fraction, divided, shifted, trim
@@ -44,7 +43,7 @@ def crossings(a: Whole) -> int:
     >>> crossings((1, -2, 1)), crossings((1, -3, 3, -1)), crossings((1, -4, 5, -2))
     (0, 1, 1)
     """
-    return sum([part.times % 2 for part in _apart(trim(a), divisors.odd_once)[1]])
+    return sum([times % 2 for _, _, times, _ in _apart(trim(a), divisors.odd_once)[1]])
 
 
 def odd_roots(a: Whole) -> list[Point]:
@@ -55,21 +54,14 @@ def odd_roots(a: Whole) -> list[Point]:
     """
     high, parts = _apart(trim(a), divisors.odd_once)
     up, down = max(high, 0), max(-high, 0)
-    found = [_closed_in(part) for part in parts if part.times % 2]
+    found = [_closed_in(part) for part in parts if part[2] % 2]
     return sorted(
         [(top << up, bottom << down) for top, bottom in found], key=lambda q: Fraction(*q)
     )
 
 
-class _Part(NamedTuple):
-    """Where one root is: ``times`` one at first 2^-depth, or, with ``a``, the one between 0 and 1
-    of this polynomial in t at (first + t) 2^-depth.
-    """
-
-    first: int
-    depth: int
-    times: int
-    a: Whole
+_Part = tuple[int, int, int, Whole]  # first, depth, times, a: ``times`` one root at first 2^-depth,
+# or, with a, the one between 0 and 1 of this polynomial in t at (first + t) 2^-depth
 
 
 def _apart(a: Whole, simpler: Callable[[Whole], Whole]) -> tuple[int, list[_Part]]:
@@ -78,13 +70,14 @@ def _apart(a: Whole, simpler: Callable[[Whole], Whole]) -> tuple[int, list[_Part
     Halved is what may hold several until Descartes' rule says that it does not. What a root that
     is repeated would halve for ever is left to ``simpler``.
     Source: G. E. Collins, A. G. Akritas, Polynomial real root isolation using Descartes' rule of
-    signs, Proc. SYMSAC 1976.
+    signs, Proc. SYMSAC 1976; and Budan's theorem: signs that change as often on both sides of the
+    middle leave no root before it.
     """
     found: list[_Part] = []
     if not variations(a):
         return 0, found
     high, deepest = _above(a), float(_DEEP)
-    waiting = [_Part(0, 0, 1, _stretched(a, high))]
+    waiting: list[_Part] = [(0, 0, 1, _stretched(a, high))]
     while waiting:
         part = waiting.pop()
         first, depth, _, inside = part
@@ -101,10 +94,14 @@ def _apart(a: Whole, simpler: Callable[[Whole], Whole]) -> tuple[int, list[_Part
             while not right[-1]:  # a root in the middle
                 left, times = divided(left, (1, -1)), times + 1
                 del right[-1]
+            first, depth = 2 * first, depth + 1
             if times:
-                found.append(_Part(2 * first + 1, depth + 1, times, ()))
-            waiting.append(_Part(2 * first + 1, depth + 1, 1, right))
-            waiting.append(_Part(2 * first, depth + 1, 1, left))
+                found.append((first + 1, depth, times, ()))
+            beyond = variations(right)
+            if beyond:
+                waiting.append((first + 1, depth, 1, right))
+            if variations(left) > beyond:
+                waiting.append((first, depth, 1, left))
     return high, found
 
 
