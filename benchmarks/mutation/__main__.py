@@ -81,7 +81,6 @@ TESTS |= {
         "tests/lti/test_hidden.py",
         "--deselect=tests/lti/test_hidden.py::test_nor_in_a_sweep",  # compiles for minutes
         "src/zoh/lti",
-        *HOLD,
     ],
     "lti/whole": ["tests/lti/test_whole.py", "src/zoh/lti", *_named("squares", "sparse", "loop")],
     "lti/signs": ["tests/lti/test_signs.py", "src/zoh/lti", *_named("proof", "stability")],
