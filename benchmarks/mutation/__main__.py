@@ -77,6 +77,10 @@ TESTS |= {
     "analysis/responses": _named("responses", "step"),
     "analysis/waveform": _named("waveform", "step", "motion", "pieces", "realised"),
     "design/sections": ["tests/test_sections.py", "src/zoh/design"],
+    "lti/given": [
+        *(f"tests/lti/test_{name}.py" for name in ("systems", "forms", "partial")),
+        "src/zoh/lti",
+    ],
     "lti/hidden": [
         "tests/lti/test_hidden.py",
         "--deselect=tests/lti/test_hidden.py::test_nor_in_a_sweep",  # compiles for minutes
