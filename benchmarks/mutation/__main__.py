@@ -61,7 +61,7 @@ TESTS |= {
     "analysis/margins": _named("margins", "proof"),
     "analysis/margin_crossings": _named("margins"),
     "analysis/discs": _named("discs", "proof"),
-    "analysis/proof": _named("proof", "discs"),
+    "analysis/proof": _named("proof", "discs", "sharp"),
     "analysis/certificates": _named("proof", "results"),
     "analysis/motion": _named("motion", "step", "filling"),
     "analysis/filling": _named("filling", "step"),
