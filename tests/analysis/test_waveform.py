@@ -210,3 +210,19 @@ def test_closer_fills_where_the_band_is_entered():
     assert near.settles_between(0.0, 0.5) == pytest.approx(250 / 6 * DT, rel=1e-12)
     assert near.closer(0.0, 0.5) is near
     assert wave.closer(0.0, np.inf) is wave
+
+
+@pytest.mark.parametrize("shown", [[0, 16, 32, 48], [0, 18, 20, 22, 24], [0, 10, 21, 22, 30]])
+def test_closer_fills_where_only_a_ripple_leaves_the_band(shown):
+    """y = 4 x (t - t^2), 0 at every sample; x falls to 1/2 in 21.5 samples."""
+    rate = 0.5 ** (1 / 21.5)
+    motion = Motion(
+        dt=DT, delta=np.array([[rate - 1]]), start=np.ones(1), own=1, output=np.zeros(1),
+        effort=None, stretches=(Stretch(begin=0.0, span=1.0, rows=np.array([[0.0], [4], [-4]])),),
+    )  # fmt: skip
+    k = np.array(shown)
+    track = Track(k=k, states=rate ** k[None, :].astype(float), horizon=shown[-1], rests=True)
+    wave = Waveform.of(motion, track, 0.0, 0.5).closer(0.0, 0.5)
+    t = 0.5 + sqrt(0.25 - 0.125 / rate**21)
+    assert wave.settles_between(0.0, 0.5) == pytest.approx((21 + t) * DT, rel=1e-12)
+    assert wave.settles(0.0, 0.5) == 0.0
