@@ -1,10 +1,11 @@
 """Where the rounding of a made loop's coefficients moves a margin, and that it is said."""
 
-from math import degrees
+from math import degrees, inf
 
 import pytest
 from mpmath import mp, mpf
 
+from zoh.analysis import blurred
 from zoh.analysis.blurred import _off, blurs
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import margins, measure_loop
@@ -115,3 +116,21 @@ def test_the_bound_is_rounding_over_the_slope_of_both_parts(turning, dt, size):
         expected = part * (1 + abs(own / other))
     # 1e-6: of what is left of num and den there, floats have 8 digits
     assert _off(loop, float(w), turning=turning) == pytest.approx(float(expected), rel=1e-6)
+
+
+def test_both_margins_are_in_one_sentence(monkeypatch):
+    monkeypatch.setattr(blurred, "_off", lambda loop, w, turning: w / 200)  # rad, and a part
+    assert blurs(mode(0.1, 1.0), [(1.0, 0.0), (2.99, 0.0)], [(2.99, 1.0), (0.0, 1.0)]) == (
+        "by the rounding of coefficients in w the phase margin at 2.99 rad/s may be off by 0.9 "
+        "deg, the gain margin at 2.99 rad/s may be off by 1 %: a zero or a pole next to the axis "
+        "is beside it",
+    )
+
+
+def test_at_a_zero_is_no_crossing_and_without_damping_no_phase_moves():
+    """(s^2 + 1)/(s^2 + s + 1) at 1, and 1/(s^2 + 1) beside 1, whose phase is 0 or a half turn."""
+    for turning in (True, False):
+        zero = Loop.of(Plant(num=[1, 0, 1], den=[1, 1, 1]))
+        pole = Loop.of(Plant(num=[1, 1, 1], den=[1, 0, 1]))
+        assert _off(zero, 1.0, turning=turning) == _off(pole, 1.0, turning=turning) == 0.0
+    assert _off(Loop.of(Plant(num=[1], den=[1, 0, 1])), 1 + 1e-8, turning=False) == inf

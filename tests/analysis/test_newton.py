@@ -28,3 +28,31 @@ def test_of_three_roots_the_one_between_whatever_the_unit():
     for unit in (1e-6, 1.0, 1e3, -1e9):
         a = [unit * c for c in (1.0, -27.0, 150.0, -200.0)]
         assert newton.root(a, 1.0, 3.0, unit * -76.0, unit * 34.0) == pytest.approx(2.0, rel=4e-16)
+
+
+def test_a_narrow_bracket_is_not_left():
+    """Beside (x - 2)(x - 5)(x - 20) = 0, a secant's step is a part of the bracket."""
+    a = [1.0, -27.0, 150.0, -200.0]
+    ends = [(x - 2) * (x - 5) * (x - 20) for x in (1.99, 2.02)]
+    assert newton.root(a, 1.99, 2.02, *ends) == pytest.approx(2.0, rel=1e-15)
+
+
+def test_where_the_secant_ends_on_a_flat_place_the_bracket_is_halved():
+    """x^2 - 2 x - 3 is -3 at 0 and 12 at 5: the secant passes 0 at 1, where it is least."""
+    assert newton.root([1.0, -2.0, -3.0], 0.0, 5.0, -3.0, 12.0) == pytest.approx(3.0, rel=4e-16)
+
+
+@pytest.mark.parametrize("root", [1e-9, 1e9])
+def test_a_root_of_any_size_has_its_digits(root):
+    ends = -(root**2) * (1 - 1e-6), root**2 * 99
+    found = newton.root([1.0, 0.0, -(root**2)], 1e-3 * root, 10 * root, *ends)
+    assert found == pytest.approx(root, rel=4e-16)
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1.0, 1e9])
+def test_a_step_longer_than_the_last_is_not_the_last(unit):
+    """2 x^3 - 9 x^2 + 14 x - 8 is -1 at 1, of slope 2, and -1/2 at 3/2, of slope 1/2; 0 at 2."""
+    a = [2.0, -9 * unit, 14 * unit**2, -8 * unit**3]
+    ends = [unit**3 * (((2 * x - 9) * x + 14) * x - 8) for x in (0.994, 11.0)]
+    found = newton.root(a, 0.994 * unit, 11 * unit, *ends)
+    assert found == pytest.approx(2 * unit, rel=1e-15)
