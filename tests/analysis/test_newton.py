@@ -16,11 +16,15 @@ from zoh.analysis import newton
         ([1.0, -3.0, -9.0, 31.0], [0.0, 0.0, 0.0, 1.0], 0.9, 0.5, 5.0, 3.0),
         # halved to 2 and to 2.525, from where Newton's step is longer than the last and too long
         ([1.0, -3.0, -9.0, 31.0], [0.0, 0.0, 0.0, 1.0], 0.95, 0.5, 3.05, 3.0),
+        # of slope 4 (x - 1)(x - 4)(x - 10), which falls at 3: the least one in the bracket
+        ([1.0, -20.0, 108.0, -160.0, 1000.0], [0.0] * 4 + [1.0], 3.0, 0.5, 3.5, 1.0),
     ],
 )
-def test_a_least_ratio_from_where_newtons_step_is_none(p, q, x, low, high, least):
-    # a last step of 1e-6 leaves its square
-    assert newton.stationary(p, q, x, low, high) == pytest.approx(least, rel=1e-11)
+@pytest.mark.parametrize("unit", [2.0**-30, 1.0, 2.0**30])
+def test_a_least_ratio_from_where_newtons_step_is_none(p, q, x, low, high, least, unit):
+    p, q = ([c * unit**i for i, c in enumerate(a)] for a in (p, q))
+    found = newton.stationary(p, q, x * unit, low * unit, high * unit)
+    assert found == pytest.approx(least * unit, rel=1e-11)  # a last step of 1e-6 leaves its square
 
 
 def test_of_three_roots_the_one_between_whatever_the_unit():
