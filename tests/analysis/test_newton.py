@@ -60,3 +60,9 @@ def test_a_step_longer_than_the_last_is_not_the_last(unit):
     ends = [unit**3 * (((2 * x - 9) * x + 14) * x - 8) for x in (0.994, 11.0)]
     found = newton.root(a, 0.994 * unit, 11 * unit, *ends)
     assert found == pytest.approx(2 * unit, rel=1e-15)
+
+
+@pytest.mark.parametrize("unit", [1e-12, 1.0, 1e12])
+def test_a_parabola_has_no_unit(unit):
+    """(x - 1/6)^2 at -1, 0 and 1: 49, 1 and 25 of 36."""
+    assert newton.parabola(49 * unit, unit, 25 * unit) == pytest.approx(1 / 6, rel=1e-14)
