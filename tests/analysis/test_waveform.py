@@ -226,3 +226,22 @@ def test_closer_fills_where_only_a_ripple_leaves_the_band(shown):
     t = 0.5 + sqrt(0.25 - 0.125 / rate**21)
     assert wave.settles_between(0.0, 0.5) == pytest.approx((21 + t) * DT, rel=1e-12)
     assert wave.settles(0.0, 0.5) == 0.0
+
+
+def test_closer_fills_where_samples_enter_the_band():
+    """y = 2^(-k/20.5) has no crest; it is 1/2 at 20.5."""
+    slope = -np.log(2) / 20.5
+    rows = np.array([[slope**j / factorial(j)] for j in range(10)])
+    motion = Motion(
+        dt=DT, delta=np.array([[np.expm1(slope)]]), start=np.ones(1), own=1,
+        output=np.ones(1), effort=None, stretches=(Stretch(begin=0.0, span=1.0, rows=rows),),
+    )  # fmt: skip
+    k = np.array([0, 16, 32, 48, 64])
+    states = np.exp(slope * k)[None, :]
+    wave = Waveform.of(motion, Track(k=k, states=states, horizon=64, rests=True), 0.0, np.inf)
+    assert wave.k.tolist() == k.tolist()  # nothing else asks for more
+    assert wave.settles(0.0, 0.5) == 32 * DT
+    near = wave.closer(0.0, 0.5)
+    assert near.k.tolist() == [*range(33), 48, 64]  # outside last at 16: both sides of it
+    assert near.settles(0.0, 0.5) == 21 * DT
+    assert near.settles_between(0.0, 0.5) == pytest.approx(20.5 * DT, rel=1e-12)
