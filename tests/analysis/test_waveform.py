@@ -86,6 +86,8 @@ def test_the_first_of_equal_extremes():
     wave = wave_of([(1, -1, 0), (0, 1, 0), (1, -2, 0), (-1, 1, 0), (0, -1, 0), (-1, 0, 0)])
     assert wave.highest(1.0) == wave.highest_between(1.0) == (3 * DT, 1.0)
     assert wave.highest(-1.0) == wave.highest_between(-1.0) == (6 * DT, 1.0)
+    inside = wave_of([(1, -1, 0), (0, 4, -4), (0, 0, 0)])  # 1 again half way
+    assert inside.highest_between(1.0) == (3 * DT, 1.0)
 
 
 @EVERY
