@@ -138,6 +138,7 @@ def test_from_when_on_a_band_is_kept(stretches):
         assert wave.settles_between(sign, 0.09) == pytest.approx(4.9 * DT, rel=1e-12)
         assert wave.settles_between(sign, 1.0) == 0.0
         assert wave.settles_between(sign * 1.5, 0.3) is None  # outside at the end
+        assert wave.closer(sign * 1.5, 0.3) is wave  # after which nothing was left out
         # only the last sample is outside
         last = wave_of(sign * np.array([*ENTRY[:3], (1, 1, 0)], float), stretches)
         assert last.settles_between(sign, 0.5) is None
