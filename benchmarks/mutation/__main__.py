@@ -78,8 +78,7 @@ TESTS |= {
     "analysis/waveform": _named("waveform", "step", "motion", "pieces", "realised"),
     "design/sections": ["tests/test_sections.py", "src/zoh/design"],
     "lti/given": [
-        "tests/lti/test_given.py",
-        *(f"tests/lti/test_{name}.py" for name in ("systems", "forms", "partial")),
+        *(f"tests/lti/test_{name}.py" for name in ("given", "systems", "forms", "partial")),
         "src/zoh/lti",
     ],
     "lti/hidden": [
