@@ -248,3 +248,23 @@ def test_closer_fills_where_samples_enter_the_band():
     assert near.k.tolist() == [*range(33), 48, 64]  # outside last at 16: both sides of it
     assert near.settles(0.0, 0.5) == 21 * DT
     assert near.settles_between(0.0, 0.5) == pytest.approx(20.5 * DT, rel=1e-12)
+
+
+@EVERY
+@pytest.mark.parametrize("at_once", [1, 7, 1 << 16])
+def test_of_very_many_crests_the_highest(monkeypatch, stretches, at_once):
+    """Crests c/4 of c (t - t^2) in 200 samples; the 137th, of 2, is the highest."""
+    monkeypatch.setattr(waveform, "_AT_ONCE", at_once)
+    heights = [1 + (i * 37 % 200) / 400 for i in range(200)]  # below 3/2
+    heights[136] = 2.0
+    crests = np.array([(0, 4 * c, -4 * c) for c in heights], float)
+    for sign in (1.0, -1.0):
+        wave = wave_of(sign * crests, stretches)
+        assert wave.highest_between(sign) == pytest.approx((139.5 * DT, 2.0), rel=1e-12)
+        assert wave.highest_between(-sign) == (3 * DT, 0.0)
+        rows = np.arange(100, 200)
+        loose = wave._bound(sign).tolist()
+        bound = wave._tightened(wave._bound(sign), rows, sign)
+        assert wave._bound(sign).tolist() == loose  # still
+        assert bound[:100].tolist() == loose[:100]
+        assert bound[100:] == pytest.approx(np.array(heights[100:]), rel=1e-12)  # at their tops
