@@ -85,19 +85,83 @@ def test_sections_on_a_table():
     assert d.margins.phase_margin_deg == pytest.approx(50, abs=1e-9)
 
 
+PAIR = {"zeros_w0": 2.0, "zeros_zeta": 0.25, "poles_w0": 4.0, "poles_zeta": 0.75}
+NYQUIST = "must be below the Nyquist frequency pi/dt = 62.8319 rad/s"
+
+
+def pair(**changed):
+    return zoh.SecondOrder(**(PAIR | changed))
+
+
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: zoh.notch(w0=0.0), "zeros_w0 must be above 0"),
-        (lambda: zoh.notch(w0=1.0, depth=1.0), "depth must be below 1"),
-        (lambda: zoh.notch(w0=1.0, width=0.0), "width must be above 0"),
-        (lambda: zoh.notch(w0=70.0).at_clock(0.05), "w0 must be below the Nyquist"),
-        (lambda: in_series([1.0], 0.05), r"sections\[0\] must be a section"),
+        (lambda: zoh.notch(w0=0.0), "zeros_w0 must be above 0, got 0.0: give a number above zero"),
+        (
+            lambda: zoh.notch(w0=1.0, depth=1.0),
+            "depth must be below 1, got 1.0: a notch takes away",
+        ),
+        (
+            lambda: zoh.notch(w0=1.0, depth=-0.1),
+            "depth must be 0 or more, got -0.1: give the gain at w0",
+        ),
+        (
+            lambda: zoh.notch(w0=1.0, width=0.0),
+            "width must be above 0, got 0.0: give the width as a share of w0",
+        ),
+        (
+            lambda: zoh.notch(w0=70.0).at_clock(0.05),
+            f"w0 {NYQUIST}, got 70.0: lower it, or sample faster",
+        ),
+        (
+            lambda: pair(zeros_w0=70.0).at_clock(0.05),
+            f"zeros_w0 {NYQUIST}, got 70.0: lower it, or sample faster",
+        ),
+        (
+            lambda: pair(poles_w0=80.0).at_clock(0.05),
+            f"poles_w0 {NYQUIST}, got 80.0: lower it, or sample faster",
+        ),
+        (
+            lambda: pair(zeros_zeta=-1.0),
+            "zeros_zeta must be 0 or more, got -1.0: give zero or more",
+        ),
+        (
+            lambda: pair(poles_zeta=0.0),
+            "poles_zeta must be above 0, got 0.0: give a number above zero",
+        ),
+        (lambda: pair(poles_w0=0.0), "poles_w0 must be above 0, got 0.0: give a number above zero"),
+        (
+            lambda: in_series([WOBBLE, 1.0], 0.05),
+            "sections[1] must be a section, got 1.0: zoh.notch(w0=...) or zoh.SecondOrder(...)",
+        ),
+        (
+            lambda: in_series(7, 0.05),
+            "sections must be a list of sections, got 7: put it in brackets: [zoh.notch(w0=...)]",
+        ),
     ],
 )
-def test_a_malformed_section_is_refused_by_name(make, words):
-    with pytest.raises(zoh.SpecError, match=words):
+def test_a_malformed_section_is_refused_to_the_word(make, words):
+    with pytest.raises(zoh.SpecError) as refused:
         make()
+    assert str(refused.value) == words
+
+
+def test_the_frequency_must_be_below_nyquists_and_not_at_it():
+    dt = 2.0**-4
+    with pytest.raises(zoh.SpecError, match="must be below the Nyquist"):
+        zoh.notch(w0=16 * pi).at_clock(dt)
+    assert zoh.notch(w0=15.99 * pi).at_clock(dt).at(0.0) == pytest.approx(1, rel=1e-12)
+
+
+def test_the_continuous_section_by_hand():
+    """4 (s^2 + s + 4)/(s^2 + 6 s + 16), 1 at 0."""
+    plant = pair().in_s()
+    assert (plant.num, plant.den) == ((4.0, 4.0, 16.0), (1.0, 6.0, 16.0))
+
+
+def test_a_notch_is_a_tenth_deep_and_as_wide_as_its_frequency_unless_asked():
+    plain = zoh.notch(w0=3.0)
+    assert plain == zoh.SecondOrder(zeros_w0=3.0, zeros_zeta=0.05, poles_w0=3.0, poles_zeta=0.5)
 
 
 FILE = """

@@ -61,7 +61,7 @@ TESTS |= {
     "analysis/margins": _named("margins", "proof"),
     "analysis/margin_crossings": _named("margins"),
     "analysis/discs": _named("discs", "proof"),
-    "analysis/proof": _named("proof", "discs"),
+    "analysis/proof": _named("proof", "discs", "sharp"),
     "analysis/certificates": _named("proof", "results"),
     "analysis/motion": _named("motion", "step", "filling"),
     "analysis/filling": _named("filling", "step"),
@@ -71,6 +71,21 @@ TESTS |= {
     "analysis/load_error": _named("load_error"),
     "analysis/record": _named("record", "verify", "tabled_sentences"),
     "analysis/verify": _named("verify"),
+    "analysis/sharp": _named("sharp", "close", "squares"),
+    "analysis/newton": _named("newton", "sharp", "sparse"),
+    "analysis/blurred": _named("blurred"),
+    "analysis/responses": _named("responses", "step"),
+    "analysis/waveform": _named("waveform", "step", "motion", "pieces", "realised"),
+    "design/sections": ["tests/test_sections.py", "src/zoh/design"],
+    "lti/given": [
+        *(f"tests/lti/test_{name}.py" for name in ("given", "systems", "forms", "partial")),
+        "src/zoh/lti",
+    ],
+    "lti/hidden": [
+        "tests/lti/test_hidden.py",
+        "--deselect=tests/lti/test_hidden.py::test_nor_in_a_sweep",  # compiles for minutes
+        "src/zoh/lti",
+    ],
     "lti/whole": ["tests/lti/test_whole.py", "src/zoh/lti", *_named("squares", "sparse", "loop")],
     "lti/signs": ["tests/lti/test_signs.py", "src/zoh/lti", *_named("proof", "stability")],
 }

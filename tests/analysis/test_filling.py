@@ -230,6 +230,17 @@ def test_each_crest_has_its_own_gaps():
     assert tops([0, 1, 2, 12, 112], [0, 0, 0, 1, 1], 0, 11.1) == set()
 
 
+def test_before_the_second_sample_shown_a_crest_reaches_as_far_as_the_next_chord_goes_on():
+    # down by 1 in ten samples from the second on, so up by no more than 1 in the ten before
+    for k, a in (([0, 10, 20], [0, 1, 0]), ([0, 10, 20, 60], [0, 1, 0, -9])):
+        for level, may in ((1.9, True), (2.1, False)):
+            assert filling._first_may(np.array(k), np.array(a, float), level) is may
+    # 1 in five samples is 4 in twenty
+    for level, may in ((4.9, True), (5.1, False)):
+        assert filling._first_may(np.array([0, 20, 25, 26]), np.array([0, 1.0, 0, 0]), level) is may
+    assert filling._first_may(np.array([0, 10]), np.array([0, 1.0]), 9.0)  # no chord says so
+
+
 def test_of_many_equal_crests_the_first():
     a = np.zeros(201)
     a[1::2] = 1.0

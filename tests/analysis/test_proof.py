@@ -6,13 +6,14 @@ from math import inf, pi, sqrt
 
 import numpy as np
 import pytest
+from mpmath import mp
 
 from zoh.analysis import discs
 from zoh.analysis.certificates import Proof
 from zoh.analysis.close import Close
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import margins, measure_loop, peak
-from zoh.analysis.proof import Found, _just_below, _least, counted, proved
+from zoh.analysis.proof import Found, Peak, _just_below, _least, counted, proved
 from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import ON_DEN, ON_NUM, ON_OPPOSITE, Squares
 from zoh.analysis.stability import closed_loop_stable
@@ -307,3 +308,17 @@ def test_how_a_peak_inside_is_proved_and_how_one_said_too_low_is_not():
         assert (told.holds, told.method) == (False, "halving")
     certificate = proved(loop, squares, look, found, stable=ROUTH)
     assert certificate.modulus_margin == _least(squares, found.peaks[0])
+
+
+@pytest.mark.parametrize("quiet", [2.0**-30, 2.0**-12, 2.0**12])
+def test_a_peak_is_proved_whatever_its_size(quiet):
+    """k/(s^2 + s/2 + 1): |1 + 1/L| is least where (1 + k - q)^2 + q/4 is, q = 7/8 + k, over k."""
+    squares = Squares.of(Loop.of(Plant(num=[quiet], den=[1, 0.5, 1])))
+    q = Fraction(7, 8) + Fraction(quiet)
+    square = ((1 + Fraction(quiet) - q) ** 2 + q / 4) / Fraction(quiet) ** 2
+    with mp.workdps(30):
+        least = float(mp.sqrt(mp.mpf(square.numerator) / square.denominator))
+    there = Peak(v=float(q) ** 0.5, least=least, below=ON_NUM)
+    assert _least(squares, there).holds
+    assert _least(squares, replace(there, least=least * (1 - 1e-6))).holds
+    assert not _least(squares, replace(there, least=least * (1 + 2e-9))).holds  # proved to 1e-9

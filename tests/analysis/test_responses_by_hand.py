@@ -42,6 +42,21 @@ def test_all_figures_by_hand(by, peak, when, final, settled, effort):
     assert got.horizon in range(27, 60)  # 2^-27 is below 1e-8
 
 
+def test_half_a_clock_halves_the_times_alone():
+    half = zoh.response(
+        zoh.Plant(num=[2], den=[1, 0]), zoh.Sampled(num=[0.5], den=[1], dt=0.5), by="step"
+    )
+    one = zoh.response(INTEGRATOR, HALF, by="step")
+    assert half.horizon == one.horizon / 2
+    assert half.settling_time == one.settling_time / 2
+
+
+def test_a_controller_that_is_none_is_refused_in_words():
+    with pytest.raises(zoh.SpecError) as err:
+        zoh.response(INTEGRATOR, 7, by="step")
+    assert str(err.value) == ("controller must be a zoh.Sampled, got 7: give num, den and dt")
+
+
 def test_what_grows_without_end():
     lag = zoh.Plant(num=[1], den=[1, 1])
     assert zoh.response(lag, HALF, by="ramp") == Response(

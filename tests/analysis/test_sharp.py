@@ -208,6 +208,20 @@ def test_closing_in_on_a_root():
     assert sharpened((1, -4), 2 * (1 + 4e-16)) == 2 * (1 + 4e-16)
 
 
+def test_a_root_a_thousandth_away_is_the_one_that_was_seen():
+    for part, found in ((7e-4, True), (-7e-4, True), (1.1e-3, False), (-1.1e-3, False)):
+        seen = closed_in((1, -3), sqrt(3 * (1 + part)))
+        assert (Fraction(*seen) == 3) is found
+
+
+@pytest.mark.parametrize("rising", [1, -1])
+@pytest.mark.parametrize("share", [1 - 4e-15, 1 + 4e-15])
+def test_a_root_at_the_end_of_what_is_looked_at_is_not_a_rounding_away(rising, share):
+    away = next(v for i in range(-40, 40) if (v := 2.0 + i * 2.0**-52) * share == 2.0)
+    assert away != 2.0
+    assert sharpened((rising, -4 * rising), away) == 2.0
+
+
 def test_what_is_nothing_and_what_is_little():
     assert is_nothing((1, -2), (2, 1))
     little = (2**92, -(2**92) + 1)  # 1 where its terms are 2^93
@@ -224,6 +238,13 @@ def test_sign_changes_of_their_own():
     assert apart(f, [])
     for wrong in ([1.0, 1.0, 3.0], [1.0, 2.0, 2.0], [1.5], [2.0, 3.1], [1.0, 1.0 + 1e-13]):
         assert not apart(f, wrong)
+    for off, inside in ((0.75, True), (-0.75, True), (1.5, False), (-1.5, False)):
+        root = 1 + off * 2.0**-40
+        assert apart(lambda v, root=root: v - root, [1.0]) is inside
+        assert apart(lambda v, root=root: root - v, [1.0]) is inside
+    for sign in (1.0, -1.0):  # 0 on one side is no change of sign
+        assert not apart(lambda v, sign=sign: sign if v > 1 else 0.0, [1.0])
+        assert not apart(lambda v, sign=sign: sign if v < 1 else 0.0, [1.0])
     assert apart(f, [2.2], within=0.2)
     assert not apart(f, [2.2, 2.3], within=0.2)
 

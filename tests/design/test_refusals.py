@@ -13,7 +13,7 @@ import pytest
 import zoh
 from zoh.design import first_order, p, pid
 from zoh.design import pi as pi_law
-from zoh.design.target import ABOVE, BELOW, Target, nearest
+from zoh.design.target import ABOVE, BELOW, Opposite, Target, nearest
 from zoh.errors import Infeasible, SpecError
 from zoh.lti.systems import Sampled
 from zoh.spec import Crossover
@@ -261,9 +261,28 @@ def test_what_is_narrower_than_the_search_is_found_where_the_reason_changes(at, 
 
 
 def test_the_nearest_is_the_edge_itself_where_its_seven_digits_do_not_work():
-    got = nearest(lambda w: "" if sqrt(2) < w and w != 1.414214 else "no", 1.0, 1.0)
+    asked = []
+
+    def why_not(w):
+        asked.append(w)
+        return "" if sqrt(2) < w and w != 1.414214 else "no"
+
+    got = nearest(why_not, 1.0, 1.0)
     assert got == pytest.approx(sqrt(2), rel=1e-12)
     assert got > sqrt(2)
+    assert asked.count(1.414214) == 1  # a trial is a loop measured and proved
+
+
+def test_an_edge_at_seven_digits_that_do_not_work_goes_to_the_next_that_do():
+    assert nearest(lambda w: "" if w > 1.25 else "no", 1.0, 1.0) == 1.250001
+    assert nearest(lambda w: "" if w < 0.875 else "no", 1.0, 1.0) == 0.8749999
+
+
+def test_a_plant_turned_round_keeps_its_clock_and_its_size():
+    plant = Sampled(num=[0.5], den=[1.0, -1.0], dt=0.25)
+    turned = Opposite(plant)
+    assert turned.dt == 0.25
+    assert [turned.at(w) for w in (0.5, 3.0)] == [-plant.at(w) for w in (0.5, 3.0)]
 
 
 def test_no_more_frequencies_are_tried_than_seven_digits_need():

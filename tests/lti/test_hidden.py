@@ -54,7 +54,23 @@ def test_of_the_hidden_only_those_that_do_not_die_out():
     assert unstable_hidden(kept) == []
     none = Plant.parse("1/(s+2)")
     assert without_hidden(none) is none
+    assert unstable_hidden(none) == []
+    for plant in (none, kept):  # real modes, or none, are an array of complex numbers as any other
+        assert hidden_modes(plant).dtype == complex
     assert hidden_modes(none).tolist() == []
+
+
+@pytest.mark.parametrize("times", [1, 2])
+def test_a_hidden_integrator_does_not_die_out(times):
+    plant = Plant(num=[1, *[0] * times], den=[1, 2, *[0] * times])
+    assert unstable_hidden(plant) == [0]
+    assert hidden_modes(plant).tolist() == [0] * times
+    assert without_hidden(plant) == Plant(num=[1], den=[1, 2])
+
+
+def test_what_is_left_waits_and_measures_as_before():
+    plant = Plant(num=[1, 3], den=[1, 5, 6], dead_time=0.25, sensor=-0.5)
+    assert without_hidden(plant) == Plant(num=[1], den=[1, 2], dead_time=0.25, sensor=-0.5)
 
 
 @pytest.mark.parametrize("dt", [1e-4, 0.01, 0.1, 0.5, 1.0, 3.0])

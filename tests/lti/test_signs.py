@@ -138,6 +138,7 @@ def test_repeated_is_what_the_derivative_shares():
         ((1, 0), False),
         ((1, 1, -1), False),
         ((1, -1), False),
+        ((-1, 1), False),
         ((-1, 1, 1), False),
     ],
 )

@@ -76,6 +76,14 @@ def test_size_is_the_length_of_the_longest(a, octaves, bits):
     assert whole.size(a, octaves) == bits
 
 
+@pytest.mark.parametrize(
+    ("a", "trimmed"),
+    [((0, 0), []), ((), []), ((0, 3), [3]), ((3, 0, 0), [3]), ((0, 1, 0, 2, 0), [1, 0, 2])],
+)
+def test_trimmed_of_zeros_at_both_ends(a, trimmed):
+    assert whole.trim(a) == trimmed
+
+
 @given(COEFFICIENTS)
 def test_shifted_is_the_polynomial_of_x_plus_one(a):
     moved = whole.shifted(a)

@@ -153,6 +153,12 @@ FIRST = [
     # order 1 is 6 - 10 = -4. Slow max(-1, -4 - 6, -8 - 1) = -1; weak -8 - 1 - 11; fast
     # 3 10 + 2 max(0 - 1, 9 - 1) + 3 (16.0625 4, rounded down)
     (([1], [1, 16.0625, 1]), {"dt": 4.0}, 88 + 0 + 0 + 30 + 16 + 192),
+    # (s + 2^-20)/(s^2 + 8 s + 4) at 0.1 s, 8 below 2^4: a rate of 5, three halvings, 5 - 3 = 2;
+    # slow 4 - 3; weak 4 + 19 and the gain 1 - 5; fast 3 3 + 2 (2 - 1) + 3 (8 2^-4, rounded down)
+    (([1, 2.0**-20], [1, 8, 4]), {}, 88 + 1 + 19 + 11),
+    # 1/((s - 100)(s + 1)) at 1 s: a rate of 8, ten halvings; 8 - 10 = -2, so nothing is slow or
+    # weak; fast 3 10 + 2 (9 - 1); it grows by 144 bits: (2 + 2)(144 + 5 2) + 2 144 + 10 10
+    (([1], [1, -99, -100]), {"dt": 1.0}, 88 + 0 + 0 + 46 + 1004),
     # a gain: 74
     (([3], [2]), {}, 74),
 ]

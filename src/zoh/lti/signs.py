@@ -190,7 +190,7 @@ def hurwitz(a: Whole) -> bool:
     """
     if len(a) == 1:
         return a[0] != 0
-    if a[0] == 0 or a[-1] == 0:
+    if a[0] == 0:
         return False
     sign = 1 if a[0] > 0 else -1
     upper, lower = [sign * c for c in a[0::2]], [sign * c for c in a[1::2]]
