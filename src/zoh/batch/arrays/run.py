@@ -172,9 +172,8 @@ def _alike(job: Job, wanted: Batch, delay: int) -> tuple[Results, Mask]:
         plant = held(wanted.num, wanted.den, wanted.dt, wanted.delay, wanted.lead)
         loops, law = closed(job, wanted, plant, delay)
         good, doubt = stable(loops)
-    doubt |= ~plant.exact
     able = law.room > 0
-    doubt |= np.abs(law.room) <= ROOM
+    unsure = ~plant.exact | ~(np.abs(law.room) > ROOM)  # whether the law is able, too
     out = empty(job, n)
     out["reason"][:] = np.where(able, np.where(good, Reason.OK, Reason.UNSTABLE), Reason.INFEASIBLE)
     for name, values in law.gains.items():
@@ -182,13 +181,13 @@ def _alike(job: Job, wanted: Batch, delay: int) -> tuple[Results, Mask]:
     (who,) = np.nonzero(able & good)
     if len(who):
         some = only(loops, who)
-        figures, unsure = measured(some)
-        doubt[who] |= unsure
-        late, unsure = step_metrics(
+        figures, rounded = measured(some)
+        doubt[who] |= rounded
+        late, rounded = step_metrics(
             motion(only(plant, who), only(law, who), delay), only(plant, who), delay,
             poles(some), some.dt, job.reference,
         )  # fmt: skip
-        doubt[who] |= unsure
+        doubt[who] |= rounded
         out["stable"][who] = True
         for name in BY_NAME:
             out[name][who] = late[name] if name in late else figures[name]
@@ -196,7 +195,7 @@ def _alike(job: Job, wanted: Batch, delay: int) -> tuple[Results, Mask]:
             off = np.abs(figures["phase_margin_deg"] - wanted.asked["pm_deg"][who]) > ON_TARGET
             off |= np.abs(figures["crossover"] / wanted.asked["wc"][who] - 1) > ON_TARGET
             out["reason"][who[off]] = Reason.OFF_TARGET
-    return out, doubt & (able | (np.abs(law.room) <= ROOM))
+    return out, unsure | (doubt & able)
 
 
 def closed(job: Job, wanted: Batch, plant: Held, delay: int) -> tuple[Loops, Solved]:

@@ -12,10 +12,11 @@ from zoh.batch.arrays.between import Piece, estimate, pieces
 from zoh.batch.arrays.closing import RISE, between, closed_in
 from zoh.batch.arrays.crests import Passed
 from zoh.batch.arrays.held import Held
-from zoh.batch.arrays.look import Index, Part, Seen, twice
+from zoh.batch.arrays.look import Index, Part, Seen, along, twice
 from zoh.batch.arrays.modes import Modes
 from zoh.batch.arrays.motion import Motion
 from zoh.batch.arrays.rows import Array, Complex, Mask
+from zoh.batch.arrays.turns import Turns
 from zoh.batch.tolerances import BAND, LEVELS, MOST, NOTHING, TURN
 
 _BLOCK = 16  # samples between two looks at which loops are done
@@ -31,12 +32,13 @@ def step_metrics(
     size = np.abs(motion.final)
     sign = np.where(motion.final < 0, -1.0, 1.0)
     parts = pieces(plant, motion, delay)
-    seen, passed, at_crest, doubt = _followed(motion, parts, sign, size, z)
+    turns = Turns.of(plant, motion, parts, delay) if len(plant.before) > 2 else None
+    seen, passed, at_crest, doubt = _followed(motion, parts, turns, sign, size, z)
     late = closed_in(motion, sign, size, seen, passed)
     over = seen.top / size - 1
     most, least = np.maximum(seen.most, motion.at_rest), np.minimum(seen.least, motion.at_rest)
     reach = abs(reference)
-    highest, when, known = between(plant, parts, sign, seen, at_crest, late)
+    highest, when, known = between(plant, parts, sign, size, seen, at_crest, late, turns)
     beyond = highest / size - 1
     return {
         "between.overshoot_pct": np.where(beyond > NOTHING, 100 * beyond, 0.0),
@@ -52,7 +54,7 @@ def step_metrics(
 
 
 def _followed(
-    motion: Motion, parts: list[Piece], sign: Array, size: Array, z: Complex
+    motion: Motion, parts: list[Piece], turns: Turns | None, sign: Array, size: Array, z: Complex
 ) -> tuple[Seen, Passed, Array, Mask]:
     """Return what was seen, what passed, Z before the highest crest, and which were left early."""
     count = len(size)
@@ -71,8 +73,15 @@ def _followed(
             ys = _along(motion.output[:, who] * sign[who], zs)
             us = _along(motion.effort[:, who], zs)
             if level == 0:
-                _note_crests(seen, at_crest, parts, who, zs, sign[who], k[here])
+                if turns is None:
+                    _note_crests(seen, at_crest, parts, who, zs, sign[who], k[here])
+                corners = _note_corners(seen, at_crest, parts, who, zs, sign[who], k[here])
             _note(seen, who, ys, size[who], k[here], stride)
+            if level == 0 and turns is not None:
+                after = along(motion.output[:, who] * sign[who], state[:, here])
+                ends = np.concatenate([ys, after[None]])
+                top = np.maximum(seen.top[who], size[who] * (1 + NOTHING))
+                turns.note(who, zs, us, ends, corners, k[here], top)
             _note_effort(seen, who, us)
             passed.note(who, ys, us, k[here], stride, size[who], seen)
             k[here] += _BLOCK * stride
@@ -124,10 +133,7 @@ def _along(row: Array, zs: Array) -> Array:
 def _note_crests(
     seen: Seen, at_crest: Array, parts: list[Piece], who: Index, zs: Array, sign: Array, k: Array
 ) -> None:
-    """Note which piece of which sample has the highest crest, and Z before it.
-
-    Where the input changes within a sample the end of a piece may be a corner: ``piece`` and half.
-    """
+    """Note which piece of which sample has the highest crest, and Z before it."""
     for number, part in enumerate(parts):
         ends = [_along(row[:, who] * sign, zs) for row in (part.slope0, part.slope1)]
         if ((ends[0] > 0) & (ends[1] < 0)).any():
@@ -135,9 +141,20 @@ def _note_crests(
             span = (part.end - part.begin)[who]
             heights = estimate(y0, y1, ends[0] * span, ends[1] * span)
             _note_crest(seen, at_crest, heights, float(number), who, zs, k)
+
+
+def _note_corners(
+    seen: Seen, at_crest: Array, parts: list[Piece], who: Index, zs: Array, sign: Array, k: Array
+) -> Array | None:
+    """Note the highest corner, and return all of them.
+
+    There the input changes within a sample, and the end of a piece is: ``piece`` and a half.
+    """
+    corner = None
     for number, part in enumerate(parts[:-1]):
         corner = _along(part.y1[:, who] * sign, zs)
         _note_crest(seen, at_crest, corner, number + 0.5, who, zs, k)
+    return corner
 
 
 def _note_crest(
