@@ -2,7 +2,8 @@
 
 Over a piece of a sample, in which the input is held, the output is one Taylor series. Where it
 rises at the beginning of a piece and falls at the end there is a crest; a cubic through both ends
-and both slopes tells which crest is the highest, and the series how high it is.
+and both slopes tells which crest is the highest, and the series how high it is. A plant of three
+poles or more can turn twice in a piece: see ``turns`` for where that is looked for.
 """
 
 from dataclasses import dataclass

@@ -27,8 +27,8 @@ CHUNK = 2048  # loops at a time: fewer are ruled by Python's calls, more leave a
 
 _ORDER = 6  # of the plant
 _DELAYS = 4  # whole samples: each is a power in the loop and a state in its motion
-_FASTEST = 1.2  # |s| dt of a plant's poles: beyond it two crests in one sample are usual, below
-# they need three poles or more, and are rare but not excluded
+_FASTEST = 1.2  # |s| dt of a plant's poles: beyond it two crests in one sample are usual; below
+# they are rare, need three poles or more, and are seen: see ``turns``
 _SQUARINGS = 4  # of the poles: their sizes then differ by the 16th power, and a bound's 12 is 1.17
 
 

@@ -116,12 +116,13 @@ def crest_of(
         for i in range(n):
             total += p.rows[n, i] * g[terms - n + i]
         g[terms] = total
-    weight, falls = 1.0, 0.0
+    weight, falls, bends = 1.0, 0.0, 0.0
     for k in range(1, terms + 1):
         weight *= span * PARTS[k]
         g[k] *= weight
         h[k] = k * g[k]
         falls += h[k]
+        bends += (k - 1) * abs(h[k])
     height, when = -inf, 0.0
     if g[1] > 0.0 > falls:
         t = turning(h, terms, near(g, g[1] / (g[1] - falls)))
@@ -131,7 +132,7 @@ def crest_of(
         height = value
         when = q.ends[piece] + t * (q.ends[piece + 1] - q.ends[piece])
     known = reach <= REACH
-    if n > 2:
+    if n > 2 and 2.0 * abs(h[2]) <= bends:  # else the slope only falls, or only rises
         known = known and turns(h, terms, FLAT * abs(g[0]), q.bernstein) <= 1
     return height, when, known
 

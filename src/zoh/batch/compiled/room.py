@@ -84,7 +84,7 @@ class Pieces(NamedTuple):
     """The parts of every sample: rows on Z, and their ends as parts of a sample.
 
     series, slopes, bernstein  y in one, its slope, and that as Bernstein's coefficients
-    bends, rest  see ``turns``: weights of the places of Z, the last one of the effort; all at rest
+    bends  of each state and input its weight, its rest and its row: see ``turns``
     """
 
     y0: Array
@@ -98,7 +98,6 @@ class Pieces(NamedTuple):
     slopes: Array
     bernstein: Array
     bends: Array
-    rest: Array
 
 
 class Lines(NamedTuple):
@@ -154,7 +153,7 @@ MOTION = Layout(
 PIECES = Layout(
     Pieces, MOTION.end, y0=(2, SIZE), y1=(2, SIZE), slope0=(2, SIZE), slope1=(2, SIZE),
     state=(3, ORDER, SIZE), input=(2, SIZE), ends=(3,), series=(TAYLOR + ORDER + 1,),
-    slopes=(TAYLOR + ORDER + 1,), bernstein=(BERNSTEIN + 1,), bends=(SIZE + 1,), rest=(SIZE + 1,),
+    slopes=(TAYLOR + ORDER + 1,), bernstein=(BERNSTEIN + 1,), bends=(3, ORDER + 2),
 )  # fmt: skip
 LINES = Layout(
     Lines, PIECES.end, num=(MOST,), den=(MOST,), nn=(MOST,), dd=(MOST,), aa=(MOST,), bb=(MOST,),
