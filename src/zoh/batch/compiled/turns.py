@@ -27,6 +27,17 @@ _WEIGHT, _REST, _ROW = range(3)
 @shared
 def weigh(w: int, n: int, delay: int, count: int) -> None:
     """Write what bounds the bends: of each state and input its weight, its rest, and its row."""
+    if n == 3:  # of the usual orders the compiler knows every place beforehand
+        weighed(w, 3, delay, count)
+    elif n == 4:
+        weighed(w, 4, delay, count)
+    else:
+        weighed(w, n, delay, count)
+
+
+@compiled
+def weighed(w: int, n: int, delay: int, count: int) -> None:
+    """Do what ``weigh`` does."""
     p, q, m = work.plant(w), work.pieces(w), work.motion(w)
     bends, of_state, at_rest = q.bends, p.matrix[0], m.numbers[1]
     for j in range(n + count):
@@ -68,7 +79,7 @@ def suspected(
     q, t = work.pieces(w), work.track(w)
     block, zs, seen = t.block, t.states, t.seen
     bound, there = block[BOUND], zs[NEXT]
-    if n == 3:  # of the usual orders the compiler knows every place beforehand
+    if n == 3:
         bent(q.bends, block, 3 + count, bound)
     else:
         bent(q.bends, block, n + count, bound)
