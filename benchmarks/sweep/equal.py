@@ -69,27 +69,36 @@ def spread(
 def placed(loops: int, rng: np.random.Generator) -> tuple[Job, Columns, float]:
     """Return a job, columns and samples of delay: a controller that places the poles anywhere.
 
-    The plant has order 3 to 6, its fastest pole 0.1 to 1.2 of a sample's inverse; with more poles
-    than a controller of order 3 can place, it is made for the plant without its fastest ones.
-    Fast poles swing the plant's input, and its output between the samples with it.
+    The plant has order 3 to 6, its fastest pole 0.1 to 1.2 of a sample's inverse. With more poles
+    than a controller of order 3 can place, it is made for the plant without its fastest ones, and
+    its gain halved until the loop is stable. Fast closed-loop poles swing the plant's input, and
+    its output between the samples with it.
     """
-    while True:
-        order, late = int(rng.integers(3, 7)), float(rng.choice([0.0, 0.0, 0.3]))
+    order, gain = int(rng.integers(3, 7)), 0.0
+    while not gain:
+        late = float(rng.choice([0.0, 0.0, 0.3]))
         model = stable_plant(order, rng)
         dt = float(10 ** rng.uniform(-1, 0) * 1.2 / np.abs(model.poles()).max())
         slow = without_fastest(model, order - 4 + (late > 0))
         controller = placing(zoh.sample(slow, dt, late * dt), rng)
-        loop = zoh.sample(model, dt, late * dt) * controller
-        poles = np.roots(np.polyadd(loop.num, loop.den))
-        if np.abs(poles).max() < 0.99 and np.abs(controller.den).max() < 10:
-            break
-    gain = model.num[0] / model.den[0] * rng.uniform(0.97, 1.03, loops)
-    columns = {"plant.gain": gain}
+        if np.abs(controller.den).max() < 10:
+            gain = stable_gain(zoh.sample(model, dt, late * dt) * controller)
+    controller = zoh.Sampled(num=[gain * c for c in controller.num], den=controller.den, dt=dt)
+    columns = {"plant.gain": model.num[0] / model.den[0] * rng.uniform(0.97, 1.03, loops)}
     job = Job(
         plant=model, law="given", controller=controller, dt=dt, compute_delay=late * dt,
         varying=tuple(columns),
     )  # fmt: skip
     return job, columns, late
+
+
+def stable_gain(loop: zoh.Sampled) -> float:
+    """Return the first of 1, 1/2, ..., 1/32 that as a gain leaves the loop stable, or 0."""
+    for gain in 0.5 ** np.arange(6.0):
+        poles = np.roots(np.polyadd(gain * np.array(loop.num), loop.den))
+        if np.abs(poles).max() < 0.99:
+            return float(gain)
+    return 0.0
 
 
 def stable_plant(order: int, rng: np.random.Generator) -> zoh.Plant:
@@ -137,7 +146,7 @@ def placing(plant: zoh.Sampled, rng: np.random.Generator) -> zoh.Sampled:
     rows = np.zeros((2 * n, 2 * n))  # of den x (controller's den) + num x (controller's num)
     for i in range(n):
         rows[i : i + n + 1, i], rows[i : i + n + 1, n + i] = den, num
-    found = np.linalg.solve(rows, np.poly(poles).real)
+    found = np.linalg.lstsq(rows, np.poly(poles).real)[0]  # plants that cannot be placed, too
     return zoh.Sampled(num=found[n:].tolist(), den=found[:n].tolist(), dt=plant.dt)
 
 
