@@ -4,10 +4,11 @@
 
 draws families of loops: a plant (order 1 to 6, with and without integrators, swinging, unstable),
 a law, a delay of 0 to 4 samples, dt over four decades, crossovers over two, margins of 15 to 85
-degrees. Every reason and every figure of both arithmetics must be the single design's, to 1e-9 and
-what ``allowed`` adds with its reason. Prints how many loops there were of each reason, the worst
-of each figure in parts of what is allowed, and each family that differs with its seed; exits 1
-where one does.
+degrees; in one family of eight a given controller that places closed-loop poles anywhere in the
+circle, on a plant of order 3 to 6. Every reason and every figure of both arithmetics must be the
+single design's, to 1e-9 and what ``allowed`` adds with its reason. Prints how many loops there were
+of each reason, the worst of each figure in parts of what is allowed, and each family that differs
+with its seed; exits 1 where one does.
 """
 
 import argparse
@@ -30,6 +31,7 @@ from zoh.batch.reason import Reason
 Array = npt.NDArray[np.float64]
 Columns = dict[str, Array]
 LAWS = ("p", "pi", "pid", "pd", "lag", "lead", "given")
+PLACED = 8  # one family in so many has a controller that places poles
 DELAYS = (0.0, 0.3, 0.5, 1.0, 1.5, 2.7, 4.0)  # samples
 FAMILY = 100  # loops
 
@@ -62,6 +64,90 @@ def spread(
         low, high = (0.02, 1.5) if law == "lag" else (-1.5, -0.02)
         columns["dc_gain"] = 10 ** rng.uniform(low, high, loops) / gain
     return Job(plant=model, law=law, dt=0.1, reference=-2.0, varying=tuple(columns)), columns
+
+
+def placed(loops: int, rng: np.random.Generator) -> tuple[Job, Columns, float]:
+    """Return a job, columns and samples of delay: a controller that places the poles anywhere.
+
+    The plant has order 3 to 6, its fastest pole 0.1 to 1.2 of a sample's inverse. With more poles
+    than a controller of order 3 can place, it is made for the plant without its fastest ones, and
+    its gain halved until the loop is stable. Fast closed-loop poles swing the plant's input, and
+    its output between the samples with it.
+    """
+    order, gain = int(rng.integers(3, 7)), 0.0
+    while not gain:
+        late = float(rng.choice([0.0, 0.0, 0.3]))
+        model = stable_plant(order, rng)
+        dt = float(10 ** rng.uniform(-1, 0) * 1.2 / np.abs(model.poles()).max())
+        slow = without_fastest(model, order - 4 + (late > 0))
+        controller = placing(zoh.sample(slow, dt, late * dt), rng)
+        if np.abs(controller.den).max() < 10:
+            gain = stable_gain(zoh.sample(model, dt, late * dt) * controller)
+    controller = zoh.Sampled(num=[gain * c for c in controller.num], den=controller.den, dt=dt)
+    columns = {"plant.gain": model.num[0] / model.den[0] * rng.uniform(0.97, 1.03, loops)}
+    job = Job(
+        plant=model, law="given", controller=controller, dt=dt, compute_delay=late * dt,
+        varying=tuple(columns),
+    )  # fmt: skip
+    return job, columns, late
+
+
+def stable_gain(loop: zoh.Sampled) -> float:
+    """Return the first of 1, 1/2, ..., 1/32 that as a gain leaves the loop stable, or 0."""
+    for gain in 0.5 ** np.arange(6.0):
+        poles = np.roots(np.polyadd(gain * np.array(loop.num), loop.den))
+        if np.abs(poles).max() < 0.99:
+            return float(gain)
+    return 0.0
+
+
+def stable_plant(order: int, rng: np.random.Generator) -> zoh.Plant:
+    """Return a stable plant of this order, its poles over one decade or two; some swing."""
+    poles: list[complex] = []
+    while len(poles) < order:
+        pole = -(10 ** rng.uniform(-1, 1)) + 0j
+        if order - len(poles) > 1 and rng.random() < 0.4:
+            pole *= np.exp(1j * rng.uniform(0.2, 1.5))
+            poles.append(pole.conjugate())
+        poles.append(pole)
+    zeros = -(10 ** rng.uniform(-1, 1, int(rng.integers(0, order - 1))))
+    num, den = (np.atleast_1d(np.poly(roots)).real for roots in (zeros, poles))
+    return zoh.Plant(num=(num * den[-1] / num[-1]).tolist(), den=den.tolist())
+
+
+def without_fastest(model: zoh.Plant, many: int) -> zoh.Plant:
+    """Return the plant without so many of its fastest poles, one more where a pair would be cut.
+
+    As many zeros go as must; the gain at rest stays.
+    """
+    poles = sorted(model.poles(), key=abs)
+    keep = len(poles) - max(many, 0)
+    if abs(np.poly(poles[:keep]).imag).max() > 1e-9 * abs(np.poly(poles[:keep])).max():
+        keep -= 1
+    den = np.poly(poles[:keep]).real
+    num = np.poly(sorted(np.roots(model.num), key=abs)[: keep - 1]).real
+    return zoh.Plant(
+        num=(np.atleast_1d(num) * den[-1] / np.atleast_1d(num)[-1]).tolist(), den=den.tolist()
+    )
+
+
+def placing(plant: zoh.Sampled, rng: np.random.Generator) -> zoh.Sampled:
+    """Return the controller, one order below the plant's, that places random closed-loop poles."""
+    den = np.array(plant.den)
+    n = len(den) - 1
+    num = np.concatenate([np.zeros(n + 1 - len(plant.num)), plant.num])
+    poles: list[complex] = []
+    while len(poles) < 2 * n - 1:
+        pole = rng.uniform(-0.7, 0.95) + 0j
+        if 2 * n - 1 - len(poles) > 1 and rng.random() < 0.5:
+            pole = abs(pole) * np.exp(1j * rng.uniform(0.1, 3.0))
+            poles.append(pole.conjugate())
+        poles.append(pole)
+    rows = np.zeros((2 * n, 2 * n))  # of den x (controller's den) + num x (controller's num)
+    for i in range(n):
+        rows[i : i + n + 1, i], rows[i : i + n + 1, n + i] = den, num
+    found = np.linalg.lstsq(rows, np.poly(poles).real)[0]  # plants that cannot be placed, too
+    return zoh.Sampled(num=found[n:].tolist(), den=found[:n].tolist(), dt=plant.dt)
 
 
 def left(model: zoh.Plant, dt: float, delay: float, wc: float) -> float:
@@ -146,8 +232,11 @@ def family(seed: int) -> tuple[Counter[str], dict[str, float], list[str]]:
 
     warnings.simplefilter("ignore", zoh.AccuracyWarning)
     rng = np.random.default_rng([seed, 5])
-    model, law, late = plant(rng), LAWS[seed % len(LAWS)], float(rng.choice(DELAYS))
-    job, columns = spread(model, law, late, FAMILY, rng)
+    if seed % PLACED == PLACED - 1:
+        job, columns, late = placed(FAMILY, rng)
+    else:
+        model, law, late = plant(rng), LAWS[seed % len(LAWS)], float(rng.choice(DELAYS))
+        job, columns = spread(model, law, late, FAMILY, rng)
     truth = single.run(job, columns)
     counts = Counter(Reason(r).name for r in truth["reason"])
     most: dict[str, float] = {}
@@ -158,7 +247,7 @@ def family(seed: int) -> tuple[Counter[str], dict[str, float], list[str]]:
     ):
         for name, parts in worst(found, truth).items():
             most[name] = max(most.get(name, 0.0), float(parts.max()))
-        about = f"family {seed}, {law} on {model}, {late} dt"
+        about = f"family {seed}, {job.law} on {job.plant}, {late} dt"
         told += [f"{about}: {way}: {line}" for line in differences(found, truth)]
     return counts, most, told
 

@@ -63,6 +63,18 @@ def test_compiled(plant, law, late):
     assert_same(compiled.run(job, columns, threads=2), arrays.run(job, columns), columns)
 
 
+@pytest.mark.parametrize("seed", [23, 55])
+def test_a_controller_that_places_poles_and_a_plant_that_turns_twice_in_a_sample(seed):
+    job, columns, _ = equal.placed(LOOPS, np.random.default_rng([seed, 5]))
+    truth = single.run(job, columns)
+    assert (truth["reason"] == Reason.OK).sum() > LOOPS // 2
+    assert_same(arrays.run(job, columns), truth, columns)
+    pytest.importorskip("numba", reason="the compiled arithmetic needs numba: zoh[fast]")
+    from zoh.batch.compiled import run as compiled
+
+    assert_same(compiled.run(job, columns, threads=1), truth, columns)
+
+
 @pytest.mark.parametrize("seed", [26, 41, 48, 57])
 def test_two_crests_that_are_nearly_as_high_and_one_that_leaves_the_band(seed):
     """A long stride shows the lower of two, and steps over one that ends the settling."""

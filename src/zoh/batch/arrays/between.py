@@ -2,11 +2,13 @@
 
 Over a piece of a sample, in which the input is held, the output is one Taylor series. Where it
 rises at the beginning of a piece and falls at the end there is a crest; a cubic through both ends
-and both slopes tells which crest is the highest, and the series how high it is.
+and both slopes tells which crest is the highest, and the series how high it is. A plant of three
+poles or more can turn twice in a piece: see ``turns`` for where that is looked for.
 """
 
 from dataclasses import dataclass
-from math import factorial
+from functools import cache
+from math import comb, factorial
 
 import numpy as np
 
@@ -14,7 +16,7 @@ from zoh.batch.arrays import rows as polynomials
 from zoh.batch.arrays.held import Held, advanced
 from zoh.batch.arrays.motion import Motion
 from zoh.batch.arrays.rows import Array, Mask
-from zoh.batch.tolerances import REACH, TAYLOR
+from zoh.batch.tolerances import BERNSTEIN, FLAT, REACH, TAYLOR
 
 _LAST = 1e-15  # of the piece: a step this small is rounding
 
@@ -107,7 +109,34 @@ def crest(plant: Held, piece: Piece, z: Array, sign: Array) -> tuple[Array, Arra
         t = _root(polynomials.taken(slope, who))
         top[who] = polynomials.at(polynomials.taken(series, who), t) + (plant.direct * u)[who]
         when[who] = piece.begin[who] + t * (piece.end - piece.begin)[who]
-    return top, when, reach <= REACH
+    known = reach <= REACH
+    if len(x) > 2:
+        known &= _turns_once(slope, x[0])
+    return top, when, known
+
+
+def _turns_once(slope: Array, y: Array) -> Mask:
+    """Return whether the slope surely changes its sign once at most in (0, 1).
+
+    So it is where it only falls or only rises, and where its Bernstein coefficients change theirs
+    once at most; those that are within rounding of 0 are left out, for no figure shows them.
+    Source: G. Farin, Curves and Surfaces for CAGD, 5th ed., sec. 6.9 (variation diminishing).
+    """
+    bend = np.abs(polynomials.derivative(slope))
+    once: Mask = bend[0] > np.sum(bend[1:], axis=0)
+    (rest,) = np.nonzero(~once)
+    if len(rest):
+        count = min(len(slope), BERNSTEIN + 1)
+        coefficients = _to_bernstein(count) @ slope[:count, rest]
+        flat = np.abs(coefficients) <= FLAT * np.abs(y[rest])
+        once[rest] = polynomials.changes(np.where(flat, 0.0, coefficients)) <= 1
+    return once
+
+
+@cache
+def _to_bernstein(count: int) -> Array:
+    """Return the matrix that makes Bernstein coefficients of as many ascending ones."""
+    return np.array([[comb(j, k) / comb(count - 1, k) for k in range(count)] for j in range(count)])
 
 
 def _reach(plant: Held) -> Array:

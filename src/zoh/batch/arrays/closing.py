@@ -10,8 +10,11 @@ from zoh.batch.arrays.held import Held
 from zoh.batch.arrays.look import Part, Seen
 from zoh.batch.arrays.motion import Motion
 from zoh.batch.arrays.rows import Array, Index, Mask, only, taken
+from zoh.batch.arrays.turns import Turns
+from zoh.batch.tolerances import NOTHING
 
 RISE = (0.1, 0.9)
+Try = tuple[Index, Piece, Array, Array]  # of which loops, a piece, its sample, Z there
 
 
 def closed_in(motion: Motion, sign: Array, size: Array, seen: Seen, passed: Passed) -> Late:
@@ -36,11 +39,12 @@ def _below(level: float, part: Part, z: Array) -> Mask:
 
 
 def between(
-    plant: Held, parts: list[Piece], sign: Array, seen: Seen, at_crest: Array, late: Late
-) -> tuple[Array, Array, Mask]:
+    plant: Held, parts: list[Piece], sign: Array, size: Array, seen: Seen, at_crest: Array,
+    late: Late, turns: Turns | None,
+) -> tuple[Array, Array, Mask]:  # fmt: skip
     """Return (the highest value at all times, the time of it in samples, whether it is known)."""
     top, when, known = seen.top.copy(), seen.k_top.copy(), np.ones(len(sign), bool)
-    tries: list[tuple[Index, Piece, Array, Array]] = []
+    tries: list[Try] = []
     for number, part in enumerate(parts):
         (who,) = np.nonzero((seen.piece == number + 0.5) & (seen.crest > top))
         top[who], when[who] = seen.crest[who], seen.k_crest[who] + part.end[who]
@@ -48,16 +52,32 @@ def between(
         tries.append((who, part, seen.k_crest[who], taken(at_crest, who)))
         tries.append((late.who, part, late.k, late.z))
         tries.append((late.who, part, late.k + 1, late.after))
-    for who, part, k, z in tries:
-        if not len(who):
-            continue
-        height, after, sure = crest(only(plant, who), only(part, who), z, sign[who])
-        np.logical_and.at(known, who, sure)
-        if part is not parts[-1]:
-            corner = np.sum(taken(part.y1, who) * z, axis=0) * sign[who]
-            after = np.where(corner > height, part.end[who], after)
-            height = np.maximum(height, corner)
-        order = np.argsort(height)  # of two of one loop the higher is written last
-        order = order[height[order] > top[who[order]]]
-        top[who[order]], when[who[order]] = height[order], (k + after)[order]
+    for one in tries:
+        _tried(plant, one, one[1] is not parts[-1], sign, top, when, known)
+    if turns is not None:
+        hidden = turns.above(np.maximum(top, size * (1 + NOTHING)))
+        for part in parts:
+            one = hidden.who, part, hidden.k, hidden.z
+            _tried(plant, one, part is not parts[-1], sign, top, when, known)
     return top, when, known
+
+
+def _tried(
+    plant: Held, one: Try, corner: bool, sign: Array, top: Array, when: Array, known: Mask
+) -> None:
+    """Raise the highest values to those of a piece of some samples, in place.
+
+    corner  whether the piece ends within the sample
+    """
+    who, part, k, z = one
+    if not len(who):
+        return
+    height, after, sure = crest(only(plant, who), only(part, who), z, sign[who])
+    np.logical_and.at(known, who, sure)
+    if corner:
+        end = np.sum(taken(part.y1, who) * z, axis=0) * sign[who]
+        after = np.where(end > height, part.end[who], after)
+        height = np.maximum(height, end)
+    order = np.argsort(height)  # of two of one loop the higher is written last
+    order = order[height[order] > top[who[order]]]
+    top[who[order]], when[who[order]] = height[order], (k + after)[order]

@@ -30,8 +30,8 @@ _ORDER = 6  # of the plant
 _GIVEN = 3  # of a controller that is given
 _TAKES = frozenset({"wc", "pm_deg", "ki", "dc_gain", "filter_pole"})
 _DELAYS = 4  # whole samples: each is a power in the loop and a state in its motion
-_FASTEST = 1.2  # |s| dt of a plant's poles: beyond it two crests in one sample are usual, below
-# they need three poles or more, and are rare but not excluded
+_FASTEST = 1.2  # |s| dt of a plant's poles: beyond it two crests in one sample are usual; below
+# they are rare, need three poles or more, and are seen: see ``turns``
 _LARGE = 1e20  # of a number, or its inverse: beyond it others' rounding says what it does
 _FAR = 1e12  # powers of |s| dt: further from 1 rounding leaves no digit of a pole near 0
 _SQUARINGS = 4  # of the poles: their sizes then differ by the 16th power, and a bound's 12 is 1.17
@@ -206,9 +206,8 @@ def _alike(job: Job, wanted: Batch, delay: int) -> tuple[Results, Mask]:
         plant = held(wanted.num, wanted.den, wanted.dt, wanted.delay, wanted.lead)
         loops, law = closed(job, wanted, plant, delay)
         good, doubt = stable(loops)
-    doubt |= ~plant.exact
     able = law.room > 0
-    doubt |= np.abs(law.room) <= ROOM
+    unsure = ~plant.exact | ~(np.abs(law.room) > ROOM)  # whether the law is able, too
     out = empty(job, n)
     out["reason"][:] = np.where(able, np.where(good, Reason.OK, Reason.UNSTABLE), Reason.INFEASIBLE)
     for name, values in law.gains.items():
@@ -216,13 +215,13 @@ def _alike(job: Job, wanted: Batch, delay: int) -> tuple[Results, Mask]:
     (who,) = np.nonzero(able & good)
     if len(who):
         some = only(loops, who)
-        figures, unsure = measured(some)
-        doubt[who] |= unsure
-        late, unsure = step_metrics(
+        figures, rounded = measured(some)
+        doubt[who] |= rounded
+        late, rounded = step_metrics(
             motion(only(plant, who), only(law, who), delay), only(plant, who), delay,
             poles(some), some.dt, job.reference,
         )  # fmt: skip
-        doubt[who] |= unsure
+        doubt[who] |= rounded
         out["stable"][who] = True
         for name in BY_NAME:
             out[name][who] = late[name] if name in late else figures[name]
@@ -230,7 +229,7 @@ def _alike(job: Job, wanted: Batch, delay: int) -> tuple[Results, Mask]:
             off = np.abs(figures["phase_margin_deg"] - wanted.asked["pm_deg"][who]) > ON_TARGET
             off |= np.abs(figures["crossover"] / wanted.asked["wc"][who] - 1) > ON_TARGET
             out["reason"][who[off]] = Reason.OFF_TARGET
-    return out, doubt & (able | (np.abs(law.room) <= ROOM))
+    return out, unsure | (doubt & able)
 
 
 def closed(job: Job, wanted: Batch, plant: Held, delay: int) -> tuple[Loops, Solved]:

@@ -19,6 +19,7 @@ from zoh.batch.arrays.look import Seen, twice
 from zoh.batch.arrays.modes import Modes
 from zoh.batch.arrays.motion import Motion
 from zoh.batch.arrays.rows import Array, Complex, Index, Mask, joined, only, taken
+from zoh.batch.arrays.turns import Turns
 from zoh.batch.tolerances import BAND, LEVELS, MOST, NOTHING, TURN
 
 _BLOCK = 16  # samples between two looks at which loops are done
@@ -35,12 +36,13 @@ def step_metrics(
     size = np.abs(motion.final)
     sign = np.where(motion.final < 0, -1.0, 1.0)
     parts = pieces(plant, motion, delay)
-    seen, passed, at_crest, doubt = _followed(motion, parts, sign, size, z)
+    turns = Turns.of(plant, motion, parts, delay) if len(plant.before) > 2 else None
+    seen, passed, at_crest, doubt = _followed(motion, parts, turns, sign, size, z)
     late = closed_in(motion, sign, size, seen, passed)
     over = seen.top / size - 1
     most, least = np.maximum(seen.most, motion.at_rest), np.minimum(seen.least, motion.at_rest)
     reach = abs(reference)
-    highest, when, known = between(plant, parts, sign, seen, at_crest, late)
+    highest, when, known = between(plant, parts, sign, size, seen, at_crest, late, turns)
     beyond = highest / size - 1
     return {
         "between.overshoot_pct": np.where(beyond > NOTHING, 100 * beyond, 0.0),
@@ -84,7 +86,7 @@ class UnderWay:
 
 
 def _followed(
-    motion: Motion, parts: list[Piece], sign: Array, size: Array, z: Complex
+    motion: Motion, parts: list[Piece], turns: Turns | None, sign: Array, size: Array, z: Complex
 ) -> tuple[Seen, Passed, Array, Mask]:
     """Return what was seen, what passed, Z before the highest crest, and which were left early."""
     seen, passed = Seen.of(len(size)), Passed.of(len(size))
@@ -98,8 +100,15 @@ def _followed(
             zs, state = _run(way.moved, way.state)
             ys, us = (_along(row, zs) for row in way.signals)
             if level == 0:
-                _note_crests(seen, at_crest, parts, who, zs, sign[who], k)
+                if turns is None:
+                    _note_crests(seen, at_crest, parts, who, zs, sign[who], k)
+                corners = _note_corners(seen, at_crest, parts, who, zs, sign[who], k)
             _note(seen, who, ys, size[who], k, stride)
+            if level == 0 and turns is not None:
+                after = np.sum(way.signals[0] * state, axis=0)
+                ends = np.concatenate([ys, after[None]])
+                top = np.maximum(seen.top[who], size[who] * (1 + NOTHING))
+                turns.note(who, zs, us, ends, corners, k, top)
             _note_effort(seen, who, us)
             passed.note(who, ys, us, k, stride, size[who], seen)
             way = replace(way, state=state, k=k + _BLOCK * stride)
@@ -140,10 +149,7 @@ def _along(row: Array, zs: Array) -> Array:
 def _note_crests(
     seen: Seen, at_crest: Array, parts: list[Piece], who: Index, zs: Array, sign: Array, k: Array
 ) -> None:
-    """Note which piece of which sample has the highest crest, and Z before it.
-
-    Where the input changes within a sample the end of a piece may be a corner: ``piece`` and half.
-    """
+    """Note which piece of which sample has the highest crest, and Z before it."""
     for number, part in enumerate(parts):
         first, last = (_along(taken(row, who) * sign, zs) for row in (part.slope0, part.slope1))
         row, lane = np.nonzero((first > 0) & (last < 0))
@@ -153,12 +159,23 @@ def _note_crests(
             span = (part.end - part.begin)[these]
             heights = estimate(y0, y1, first[row, lane] * span, last[row, lane] * span)
             _note_crest(seen, at_crest, heights, float(number), these, z, k[lane] + row)
+
+
+def _note_corners(
+    seen: Seen, at_crest: Array, parts: list[Piece], who: Index, zs: Array, sign: Array, k: Array
+) -> Array | None:
+    """Note the highest corner, and return all of them.
+
+    There the input changes within a sample, and the end of a piece is: ``piece`` and a half.
+    """
+    corner = None
     for number, part in enumerate(parts[:-1]):
         corner = _along(taken(part.y1, who) * sign, zs)
         best = np.argmax(corner, axis=0)
         height = np.take_along_axis(corner, best[None, :], axis=0)[0]
         z = zs[best, :, np.arange(len(who))].T
         _note_crest(seen, at_crest, height, number + 0.5, who, z, k + best)
+    return corner
 
 
 def _note_crest(

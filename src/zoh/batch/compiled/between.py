@@ -9,11 +9,11 @@ from zoh.batch.compiled import work
 from zoh.batch.compiled.jit import compiled, shared
 from zoh.batch.compiled.plant import advanced
 from zoh.batch.compiled.room import PART, WHOLE, Pieces, Plant
-from zoh.batch.tolerances import REACH, TAYLOR
+from zoh.batch.tolerances import BERNSTEIN, FLAT, REACH, TAYLOR
 
 _LAST = 1e-9  # of the piece: the error after a Newton's step as small as this is its square
 _NOTHING = 1e-18
-_PART = 1.0 / np.maximum(np.arange(TAYLOR + 2.0), 1.0)
+PARTS = 1.0 / np.maximum(np.arange(TAYLOR + 2.0), 1.0)
 
 
 @compiled
@@ -111,17 +111,18 @@ def crest_of(
     terms, bulk = n, 1.0
     while terms < TAYLOR and (terms < n + 2 or terms <= reach or bulk > _NOTHING):
         terms += 1
-        bulk *= reach * _PART[terms - n]
+        bulk *= reach * PARTS[terms - n]
         total = 0.0
         for i in range(n):
             total += p.rows[n, i] * g[terms - n + i]
         g[terms] = total
-    weight, falls = 1.0, 0.0
+    weight, falls, bends = 1.0, 0.0, 0.0
     for k in range(1, terms + 1):
-        weight *= span * _PART[k]
+        weight *= span * PARTS[k]
         g[k] *= weight
         h[k] = k * g[k]
         falls += h[k]
+        bends += (k - 1) * abs(h[k])
     height, when = -inf, 0.0
     if g[1] > 0.0 > falls:
         t = turning(h, terms, near(g, g[1] / (g[1] - falls)))
@@ -130,7 +131,29 @@ def crest_of(
             value = value * t + g[k]
         height = value
         when = q.ends[piece] + t * (q.ends[piece + 1] - q.ends[piece])
-    return height, when, reach <= REACH
+    known = reach <= REACH
+    if n > 2 and 2.0 * abs(h[2]) <= bends:  # else the slope only falls, or only rises
+        known = known and turns(h, terms, FLAT * abs(g[0]), q.bernstein) <= 1
+    return height, when, known
+
+
+@compiled
+def turns(h: Array, terms: int, flat: float, c: Array) -> int:
+    """Return how often the slope changes its sign at most; see ``zoh.batch.arrays.between``."""
+    count, part = min(terms, BERNSTEIN + 1), 1.0
+    for k in range(count):
+        c[k] = h[k + 1] * part
+        part *= (k + 1.0) / (count - 1.0 - k)
+    for i in range(1, count):
+        for j in range(count - 1, i - 1, -1):
+            c[j] += c[j - 1]
+    found, last = 0, 0.0
+    for k in range(count):
+        if abs(c[k]) > flat:
+            if (c[k] > 0.0 > last) or (c[k] < 0.0 < last):
+                found += 1
+            last = c[k]
+    return found
 
 
 @compiled

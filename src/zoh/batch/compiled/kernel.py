@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from zoh.batch.arrays.rows import Array
-from zoh.batch.compiled import between, laws, motion, steps, work
+from zoh.batch.compiled import between, laws, motion, steps, turns, work
 from zoh.batch.compiled.addresses import codes, numbers
 from zoh.batch.compiled.jit import compiled, object_file
 from zoh.batch.compiled.machine import WHOLES
@@ -64,6 +64,8 @@ def one(
     size = motion.closed(w, n, c, delay)
     slowest = modes(w, degree, x)
     count = between.cut(w, n, delay, lead, size)
+    if n > 2:
+        turns.weigh(w, n, delay, count)
     if steps.step_metrics(w, count, n, degree, size, slowest, dt, reference, step):
         return True
     reason[i] = OK

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled.layout import Layout
-from zoh.batch.tolerances import EULERS, LEVELS, SERIES, TAYLOR
+from zoh.batch.tolerances import BERNSTEIN, EULERS, LEVELS, SERIES, TAYLOR
 
 ORDER = 6  # of a plant
 SIZE = 15  # of Z: a plant of order 6, four inputs under way, a controller of order 3, a one
@@ -83,7 +83,8 @@ class Motion(NamedTuple):
 class Pieces(NamedTuple):
     """The parts of every sample: rows on Z, and their ends as parts of a sample.
 
-    series, slopes  y in one, and its slope
+    series, slopes, bernstein  y in one, its slope, and that as Bernstein's coefficients
+    bends  of each state and input its weight, its rest and its row: see ``turns``
     """
 
     y0: Array
@@ -95,6 +96,8 @@ class Pieces(NamedTuple):
     ends: Array
     series: Array
     slopes: Array
+    bernstein: Array
+    bends: Array
 
 
 class Lines(NamedTuple):
@@ -150,7 +153,7 @@ MOTION = Layout(
 PIECES = Layout(
     Pieces, MOTION.end, y0=(2, SIZE), y1=(2, SIZE), slope0=(2, SIZE), slope1=(2, SIZE),
     state=(3, ORDER, SIZE), input=(2, SIZE), ends=(3,), series=(TAYLOR + ORDER + 1,),
-    slopes=(TAYLOR + ORDER + 1,),
+    slopes=(TAYLOR + ORDER + 1,), bernstein=(BERNSTEIN + 1,), bends=(3, ORDER + 2),
 )  # fmt: skip
 LINES = Layout(
     Lines, PIECES.end, num=(MOST,), den=(MOST,), nn=(MOST,), dd=(MOST,), aa=(MOST,), bb=(MOST,),

@@ -100,12 +100,16 @@ def every_sample(w: int, count: int, n: int, sign: float, full: float, k: float,
     pieces, t = work.pieces(w), work.track(w)
     block, zs, seen = t.block, t.states, t.seen
     if size == 4:  # of the usual sizes the compiler knows every place beforehand
-        signals(w, sign, 4)
+        signals(w, n, sign, 4)
     elif size == 5:
-        signals(w, sign, 5)
+        signals(w, n, sign, 5)
     else:
-        signals(w, sign, size)
+        signals(w, n, sign, size)
     note(block[Y], block[U], zs, seen, full, k)
+    if n > 2:  # a crest is looked for wherever one may hide: see ``turns``
+        if count == 2:
+            corners(pieces, 0, block, zs, seen, sign, k, size)
+        return
     is_state = count == 1 and work.plant(w).markov[0] == 0.0  # the slope at a piece's end is then
     for piece in range(count):  # that at the next one's start
         if piece:
@@ -121,13 +125,14 @@ def every_sample(w: int, count: int, n: int, sign: float, full: float, k: float,
 
 
 @compiled
-def signals(w: int, sign: float, size: int) -> None:
+def signals(w: int, n: int, sign: float, size: int) -> None:
     """Write what a block shows: output, effort, and slope, that of the next block, too."""
     m, block = work.motion(w), work.track(w).block
     for i in range(PAST, _END):
         block[Y, i] = sign * block[0, i]
     shown(m.effort, 1.0, block, U, size)
-    product(work.pieces(w).slope0[0], sign, block, PAST, _END + LANES, size, block[RISE])
+    if n <= 2:
+        product(work.pieces(w).slope0[0], sign, block, PAST, _END + LANES, size, block[RISE])
 
 
 @compiled

@@ -50,6 +50,7 @@ from zoh.batch.compiled.track import (
     take,
     twice,
 )
+from zoh.batch.compiled.turns import suspected
 from zoh.batch.tolerances import BAND, LEVELS, LOST, MOST, NEAR, NOTHING, QUIET, TURN
 
 _CLOSE = 4.0 * BLOCK  # samples looked at one by one at least: what is met there costs the least
@@ -78,6 +79,8 @@ def step_metrics(
             ahead(w, level, size)
             if level == 0:
                 every_sample(w, count, n, sign, full, k, size)
+                if n > 2 and suspected(w, count, n, sign, full, k, size):
+                    return True
             elif long_stride(w, count, n, level, sign, full, k, size):
                 return True
             k += BLOCK * stride

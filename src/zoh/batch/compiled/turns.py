@@ -1,0 +1,144 @@
+"""Samples in which a crest may hide; see ``zoh.batch.arrays.turns``.
+
+Here they are looked at as they pass, the one with the highest bound first: what it shows rules out
+the others, but for few.
+"""
+
+from math import inf
+
+import numpy as np
+
+from zoh.batch.arrays.rows import Array
+from zoh.batch.compiled import work
+from zoh.batch.compiled.between import PARTS, crest
+from zoh.batch.compiled.jit import compiled, shared
+from zoh.batch.compiled.room import BLOCK, LANES, PAST, Pieces
+from zoh.batch.compiled.samples import first, shown
+from zoh.batch.compiled.track import FALL as BOUND
+from zoh.batch.compiled.track import HIGHEST, NEXT, OTHER, TOP, WHEN, U, Y, take
+from zoh.batch.compiled.track import RISE as CORNER
+from zoh.batch.tolerances import NOTHING
+
+_END = PAST + BLOCK
+_1, _2, _3, _4, _5, _6, _7 = (np.uint64(i) for i in range(1, 8))  # places that are never < 0
+_WEIGHT, _REST, _ROW = range(3)
+
+
+@shared
+def weigh(w: int, n: int, delay: int, count: int) -> None:
+    """Write what bounds the bends: of each state and input its weight, its rest, and its row."""
+    if n == 3:  # of the usual orders the compiler knows every place beforehand
+        weighed(w, 3, delay, count)
+    elif n == 4:
+        weighed(w, 4, delay, count)
+    else:
+        weighed(w, n, delay, count)
+
+
+@compiled
+def weighed(w: int, n: int, delay: int, count: int) -> None:
+    """Do what ``weigh`` does."""
+    p, q, m = work.plant(w), work.pieces(w), work.motion(w)
+    bends, of_state, at_rest = q.bends, p.matrix[0], m.numbers[1]
+    for j in range(n + count):
+        rest = -p.markov[j - 1] * at_rest if j < n else at_rest
+        row = U if j - n >= delay else n + delay - 1 - (j - n)
+        bends[_WEIGHT, j], bends[_REST, j], bends[_ROW, j] = 0.0, rest, j if j < n else row
+    bends[_REST, 0] = m.numbers[0]
+    for piece in range(count):
+        span = (q.ends[piece + 1] - q.ends[piece]) * p.numbers[0]
+        weight, of_input = span * span / 8.0, 0.0
+        for j in range(n):
+            of_state[j] = 0.0
+        for k in range(2, n + int(p.numbers[3]) + 1):
+            for j in range(n):
+                of_state[j] += weight * abs(p.rows[k, j])
+            of_input += weight * abs(p.markov[k - 1])
+            weight *= span * PARTS[k - 1]
+        for i in range(n + piece):  # what the input before has left of itself, too
+            place = i if i < n else n + delay - 1
+            own = left(q, of_state, piece, n, place)
+            bends[_WEIGHT, i] = max(bends[_WEIGHT, i], own)
+        bends[_WEIGHT, n + piece] = max(bends[_WEIGHT, n + piece], of_input)
+
+
+@compiled
+def left(q: Pieces, of_state: Array, piece: int, n: int, place: int) -> float:
+    """Return the weight that a place of Z has by the state at the beginning of a piece."""
+    total = 0.0
+    for j in range(n):
+        total += of_state[j] * abs(q.state[piece, j, place])
+    return total
+
+
+@compiled
+def suspected(
+    w: int, count: int, n: int, sign: float, full: float, k: float, size: int
+) -> bool:  # fmt: skip
+    """Look at the samples of a block that may hide a crest; return whether one is not known."""
+    q, t = work.pieces(w), work.track(w)
+    block, zs, seen = t.block, t.states, t.seen
+    bound, there = block[BOUND], zs[NEXT]
+    if n == 3:
+        bent(q.bends, block, 3 + count, bound)
+    else:
+        bent(q.bends, block, n + count, bound)
+    if count == 2:
+        shown(q.y1[0], sign, block, CORNER, size)
+    most = raised(block, zs[OTHER], sign, count)
+    best = max(max(seen[TOP], seen[HIGHEST]), full * (1.0 + NOTHING))
+    while most > best:
+        i = PAST + first(bound, most)
+        take(block, i, size, there)
+        for piece in range(count):
+            height, after, known = crest(w, piece, n, there, sign, size)
+            if not known:
+                return True
+            if height > seen[HIGHEST]:
+                seen[HIGHEST], seen[WHEN] = height, k + (i - PAST) + after
+        best = max(best, seen[HIGHEST])
+        bound[i], most = -inf, -inf
+        for j in range(PAST, _END):
+            most = bound[j] if bound[j] > most else most
+    return False
+
+
+@compiled
+def bent(bends: Array, block: Array, columns: int, out: Array) -> None:
+    """Write by how much y may be above its corners within each sample of a block."""
+    for i in range(PAST, _END, LANES):
+        at = np.uint64(i)
+        a = b = c = d = e = f = g = h = 0.0
+        for j in range(columns):
+            weight, rest, row = bends[_WEIGHT, j], bends[_REST, j], int(bends[_ROW, j])
+            a += weight * abs(block[row, at] - rest)
+            b += weight * abs(block[row, at + _1] - rest)
+            c += weight * abs(block[row, at + _2] - rest)
+            d += weight * abs(block[row, at + _3] - rest)
+            e += weight * abs(block[row, at + _4] - rest)
+            f += weight * abs(block[row, at + _5] - rest)
+            g += weight * abs(block[row, at + _6] - rest)
+            h += weight * abs(block[row, at + _7] - rest)
+        out[at], out[at + _1], out[at + _2], out[at + _3] = a, b, c, d
+        out[at + _4], out[at + _5], out[at + _6], out[at + _7] = e, f, g, h
+
+
+@compiled
+def raised(block: Array, over: Array, sign: float, count: int) -> float:
+    """Add the highest corner of each sample to its bound; return the highest bound."""
+    bound, corner, y = block[BOUND], block[CORNER], block[Y]
+    for lane in range(LANES):
+        over[lane] = -inf
+    for i in range(PAST, _END, LANES):
+        for lane in range(LANES):
+            after = sign * block[0, i + lane + 1]
+            high = y[i + lane] if y[i + lane] > after else after
+            if count == 2:
+                high = corner[i + lane] if corner[i + lane] > high else high
+            x = high + bound[i + lane]
+            bound[i + lane] = x
+            over[lane] = x if x > over[lane] else over[lane]
+    most: float = over[0]
+    for lane in range(1, LANES):
+        most = over[lane] if over[lane] > most else most
+    return most
