@@ -11,7 +11,7 @@ from zoh.batch.compiled import work
 from zoh.batch.compiled.jit import compiled
 from zoh.batch.compiled.peaks import about
 from zoh.batch.compiled.polynomials import GRID
-from zoh.batch.compiled.room import SIDES
+from zoh.batch.compiled.room import NOTES, SIDES
 
 _LAST = 1e-6  # relative: the error after a Newton's step as small as this is its square
 _STEPS = 100
@@ -20,8 +20,8 @@ _STEPS = 100
 Q, _LOW, _HIGH, _MOVED, _MOVES, VALLEY = range(6)
 _ROWS = 6
 _A, _A1, _A2, _B, _B1, _B2 = range(6, 12)  # values, slopes and half the bends
-_LARGEST, _WHERE, _POWER, _VALUE, LEAST, _SUM, _SUMS = range(12, 19)
-_PARTS = 19  # from here on: the terms of numerator - value denominator
+_LARGEST, _WHERE, _POWER, _VALUE, LEAST, _SUM, _SUMS = range(12, NOTES)
+_PARTS = NOTES  # from here on: the terms of numerator - value denominator
 
 
 @compiled

@@ -15,7 +15,7 @@ BLOCK = 32  # samples between two looks at whether a loop is done
 ROOM = 2 * PAST + BLOCK + LANES  # columns of a block
 DOUBLINGS = 3  # of the motion by one sample: by ``LANES`` samples
 SEEN, KEPT = 14, 5  # what is seen of a step response, and the states that are kept of it
-SIDES = 4  # quotients side by side
+SIDES, NOTES = 4, 19  # quotients side by side, and rows of what is known of them
 WHOLE, LATE, PART = range(3)  # times that a plant is moved by: a sample, its end, a piece of it
 
 
@@ -159,7 +159,7 @@ PIECES = Layout(
 LINES = Layout(
     Lines, PIECES.end, num=(MOST,), den=(MOST,), nn=(MOST,), dd=(MOST,), aa=(MOST,), bb=(MOST,),
     some=(MOST,), rest=(MOST,), roots=(MOST,), edges=(MOST,), parts=(5, MOST), work=(MOST, MOST),
-    grid=(2, MOST), under=(MOST, SIDES), sides=(19 + MOST, SIDES),
+    grid=(2, MOST), under=(MOST, SIDES), sides=(NOTES + MOST, SIDES),
 )  # fmt: skip
 TRACK = Layout(
     Track, LINES.end, block=(WIDE + 4, ROOM), states=(KEPT, WIDE),
