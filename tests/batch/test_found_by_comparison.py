@@ -296,3 +296,42 @@ def test_two_real_poles_turn_once_however_fast():
     assert arrays._turns_once(two).tolist() == [True, True, False]
     assert arrays._turns_once(np.array([[9.0], [1.0]])).tolist() == [True]
     assert arrays._turns_once(np.array([[6.0], [11.0], [6.0], [1.0]])).tolist() == [False]
+
+
+def crest_in_50_digits(gain, a, design):
+    """Return when the output of K/(s (s + a)) behind a hold first turns, by its two states."""
+    with mpmath.workdps(50):
+        gain, a, dt = mpmath.mpf(gain), mpmath.mpf(a), mpmath.mpf(design.controller.dt)
+        num = [mpmath.mpf(c) for c in design.controller.num]
+        den = [mpmath.mpf(c) for c in design.controller.den]
+        fall, y, v, k = mpmath.exp(-a * dt), mpmath.mpf(0), mpmath.mpf(0), 0
+        errors, efforts = [mpmath.mpf(0)] * len(num), [mpmath.mpf(0)] * len(den)
+        while True:
+            errors, efforts = [1 - y, *errors[:-1]], [mpmath.mpf(0), *efforts[:-1]]
+            total = sum(c * e for c, e in zip(num, errors, strict=True))
+            efforts[0] = (total - sum(c * u for c, u in zip(den, efforts, strict=True))) / den[0]
+            rest = gain * efforts[0] / a
+            later = rest + (v - rest) * fall
+            if v > 0 > later:
+                return float(k * dt + mpmath.log((rest - v) / rest) / a)
+            y, v, k = y + rest * dt + (v - rest) * (1 - fall) / a, later, k + 1
+
+
+@pytest.mark.parametrize(
+    "at",
+    [  # 6e-7 of a sample behind one, and where Newton's method ends on the crest to the last bit
+        (0.041925423656474475, 0.14174282414456899, 0.7200927976256158, 1.885186046336924,
+         41.1561806038065, 1.2512216158371106),
+        (0.14938030266859018, 0.12688613345711242, 0.7034237235631398, 2.333284870667704,
+         40.47861213152852, 0.9869772246117472),
+    ],
+)  # fmt: skip
+def test_when_a_crest_is_to_eleven_digits(at):
+    names = ("dt", "plant.num.0", "plant.den.1", "wc", "pm_deg", "ki")
+    dt, gain, a, wc, pm_deg, ki = at
+    design = zoh.pid(zoh.Plant(num=[gain], den=[1, a, 0]), dt=dt, wc=wc, pm_deg=pm_deg, ki=ki)
+    job = Job(plant=zoh.Plant(num=[1], den=[1, 1, 0]), law="pid", dt=dt, varying=names)
+    columns = {name: np.array([x]) for name, x in zip(names, at, strict=True)}
+    truth = crest_in_50_digits(gain, a, design)
+    for found in fast(job, columns):
+        assert found["between.peak_time"][0] == pytest.approx(truth, rel=1e-11)

@@ -51,8 +51,12 @@ def coefficients(job: Job, columns: Columns, n: int) -> tuple[FloatArray, FloatA
 
 
 def empty(job: Job, n: int) -> Results:
-    """Return the columns of results of n loops of which nothing is known yet."""
-    out: Results = {name: np.full(n, np.nan) for name in column_names(job.law)[:-2]}
+    """Return the columns of results of n loops of which nothing is known yet.
+
+    They are rows of one array: a system has one large stretch of memory ready sooner than many.
+    """
+    names = column_names(job.law)[:-2]
+    out: Results = dict(zip(names, np.full((len(names), n), np.nan), strict=True))
     out["stable"] = np.zeros(n, bool)
     out["reason"] = np.full(n, Reason.MALFORMED, np.int8)
     return out

@@ -98,6 +98,14 @@ def crossover(w: int, n: int, c: int) -> float:
 @compiled
 def closed(w: int, n: int, c: int, delay: int, x: float) -> int:
     """Write the loop in u = p/x; return its degree."""
+    if n == 2 and c == 2 and delay == 0:  # of the usual ones the compiler knows every place
+        return product(w, 2, 2, 0, x)
+    return product(w, n, c, delay, x)
+
+
+@compiled
+def product(w: int, n: int, c: int, delay: int, x: float) -> int:
+    """Do what ``closed`` does."""
     p, law, num, den = work.plant(w), work.law(w), work.lines(w).num, work.lines(w).den
     degree = times(p.top, n, law.num, c, num)
     times(p.bottom, n, law.den, c, den)

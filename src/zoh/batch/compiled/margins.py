@@ -1,6 +1,6 @@
 """All margins of one loop; see ``zoh.batch.arrays.margins``, the arithmetic of which this is."""
 
-from math import atan, atan2, degrees, inf, log, nan, pi, radians, sqrt
+from math import atan, atan2, degrees, inf, nan, pi, radians, sqrt
 
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
@@ -28,6 +28,7 @@ from zoh.batch.compiled.polynomials import (
     with_slope,
     without,
 )
+from zoh.batch.compiled.quotients import LEAST, VALLEY, Q, valleys
 from zoh.batch.tolerances import DROP, ON_IT_DEG, UNITY
 
 _POLISH = 3
@@ -60,7 +61,7 @@ def by_gain(w: int, n: int, x: float, dt: float, out: Array) -> bool:
             c, d, of_c, of_d = on_axis(den, n, v)
             square_n, square_d = a * a + b * b, c * c + d * d
             slope = -((of_b * a - of_a * b) / square_n - (of_d * c - of_c * d) / square_d)
-            step = 0.5 * log(square_n / square_d) / slope
+            step = (square_n - square_d) / ((square_n + square_d) * slope)
             v -= step
             if abs(step) <= _LAST * v:
                 break
@@ -140,7 +141,7 @@ def by_phase(w: int, n: int, x: float, dt: float, out: Array) -> bool:
             factor = -den[place] / num[place]
         if not 0.0 < factor < inf:
             continue
-        away = abs(log(factor))
+        away = max(factor, 1.0 / factor)
         if away < nearest:
             nearest, out[GM] = away, factor
             out[PHASE_CROSSOVER] = frequency(x, dt, v)
@@ -159,6 +160,16 @@ def sizes(num: Array, den: Array, n: int, v: float) -> tuple[float, float, float
         sqrt(a * a + b * b), sqrt(c * c + d * d),
         sqrt((a + c) ** 2 + (b + d) ** 2), sqrt((c - a) ** 2 + (d - b) ** 2),
     )  # fmt: skip
+
+
+@compiled
+def least(w: int, b: Array, n: int, side: int) -> tuple[float, bool]:
+    """Return (v where the quotient of aa by b, that of this side, is least, whether in doubt)."""
+    lines = work.lines(w)
+    q = lines.sides[Q, side]
+    if lines.sides[LEAST, side] >= 0.0:
+        return sqrt(q), False
+    return lowest(w, lines.aa, b, n, q, lines.sides[VALLEY, side] > 0.0)
 
 
 @compiled
@@ -186,15 +197,16 @@ def every_figure(w: int, n: int, x: float, dt: float, out: Array) -> bool:
     doubt = by_gain(w, n, x, dt, out)
     doubt = by_phase(w, n, x, dt, out) or doubt
     on_grid(aa, n, lines.grid[1])
-    v, unsure = lowest(w, aa, dd, n)
+    valleys(w, n)
+    v, unsure = least(w, dd, n, 0)
     doubt = doubt or unsure
     _, d, s, _ = sizes(num, den, n, v)
     out[MODULUS], out[MS] = s / d, d / s
-    v, unsure = lowest(w, aa, nn, n)
+    v, unsure = least(w, nn, n, 1)
     doubt = doubt or unsure
     c, _, s, _ = sizes(num, den, n, v)
     out[MT] = c / s
-    v, unsure = lowest(w, aa, bb, n)
+    v, unsure = least(w, bb, n, 2)
     doubt = doubt or unsure
     _, _, s, d = sizes(num, den, n, v)
     out[DISK] = 2.0 * s / d

@@ -8,7 +8,15 @@ from zoh.batch.compiled.room import LATE, WHOLE, WIDE
 
 @compiled
 def closed(w: int, n: int, c: int, delay: int) -> int:
-    """Write the motion after a reference step of 1; return the size of Z.
+    """Write the motion after a reference step of 1; return the size of Z."""
+    if n == 2 and c == 2 and delay == 0:  # of the usual ones the compiler knows every place
+        return written(w, 2, 2, 0)
+    return written(w, n, c, delay)
+
+
+@compiled
+def written(w: int, n: int, c: int, delay: int) -> int:
+    """Do what ``closed`` does.
 
     What e moves by is taken from what the plant's first state does, never as a difference.
     """

@@ -11,21 +11,16 @@ from zoh.batch.compiled.polynomials import (
     changes,
     on_grid,
     positive_roots,
-    with_slope,
     without,
 )
 
-_LAST = 1e-6  # relative: the error after a Newton's step as small as this is its square
-_STEPS = 100
 _HALF = 0.5 * log(GRID[1] / GRID[0])
 
 
 @shared
-def lowest(w: int, a: Array, b: Array, n: int) -> tuple[float, bool]:
-    """Return (v where a/b is least over q = v^2, whether in doubt); a on the grid is known."""
+def lowest(w: int, a: Array, b: Array, n: int, q: float, inside: bool) -> tuple[float, bool]:
+    """Return (v where a/b is least over q = v^2, whether in doubt), inside: if it may be at q."""
     rest = work.lines(w).rest
-    best, near = about(w, b, n)
-    q, inside = flat(a, b, n, GRID[best - 1], GRID[best + 1], near)
     value = at(a, n, q) / at(b, n, q)
     v = sqrt(q)
     end = a[0] / b[0]
@@ -77,46 +72,6 @@ def about(w: int, b: Array, n: int) -> tuple[int, float]:
     t = min(max(t, -2.0 * _HALF), 2.0 * _HALF)
     even, odd = 12.0 + t * t, 6.0 * t
     return best, GRID[best] * (even + odd) / (even - odd)
-
-
-@compiled
-def flat(a: Array, b: Array, n: int, low: float, high: float, q: float) -> tuple[float, bool]:
-    """Return (where the slope of a/b becomes positive in (low, high), whether it does)."""
-    falls, rises, last = False, False, inf
-    for _ in range(_STEPS):
-        fa, sa, ca = a[n], 0.0, 0.0
-        fb, sb, cb = b[n], 0.0, 0.0
-        for k in range(n - 1, -1, -1):
-            ca = ca * q + sa
-            sa = sa * q + fa
-            fa = fa * q + a[k]
-            cb = cb * q + sb
-            sb = sb * q + fb
-            fb = fb * q + b[k]
-        slope = sa * fb - fa * sb
-        if slope < 0.0:
-            low, falls = q, True
-        else:
-            high, rises = q, True
-        new = q - slope / (2.0 * (ca * fb - fa * cb))
-        if not (low < new < high) or 2.0 * abs(new - q) > last:
-            new = sqrt(low * high)
-        last, q = abs(new - q), new
-        if last <= _LAST * q or high <= low * (1.0 + 1e-14):
-            break
-    if not falls:
-        falls = slope_at(a, b, n, low) < 0.0
-    if not rises:
-        rises = slope_at(a, b, n, high) >= 0.0
-    return q, falls and rises
-
-
-@compiled
-def slope_at(a: Array, b: Array, n: int, q: float) -> float:
-    """Return the numerator of the slope of a/b."""
-    fa, sa = with_slope(a, n, q)
-    fb, sb = with_slope(b, n, q)
-    return sa * fb - fa * sb
 
 
 @shared

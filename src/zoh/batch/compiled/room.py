@@ -15,6 +15,7 @@ BLOCK = 32  # samples between two looks at whether a loop is done
 ROOM = 2 * PAST + BLOCK + LANES  # columns of a block
 DOUBLINGS = 3  # of the motion by one sample: by ``LANES`` samples
 SEEN, KEPT = 14, 5  # what is seen of a step response, and the states that are kept of it
+SIDES, NOTES = 4, 19  # quotients side by side, and rows of what is known of them
 WHOLE, LATE, PART = range(3)  # times that a plant is moved by: a sample, its end, a piece of it
 
 
@@ -104,6 +105,7 @@ class Lines(NamedTuple):
     """Polynomials: num and den of the loop in u; squares of sizes on the axis; room.
 
     work  of ``positive_roots``;  grid  values at the points of a grid;  parts  of a turn
+    under, sides  of ``quotients``
     """
 
     num: Array
@@ -119,6 +121,8 @@ class Lines(NamedTuple):
     parts: Array
     work: Array
     grid: Array
+    under: Array
+    sides: Array
 
 
 class Track(NamedTuple):
@@ -158,7 +162,7 @@ PIECES = Layout(
 LINES = Layout(
     Lines, PIECES.end, num=(MOST,), den=(MOST,), nn=(MOST,), dd=(MOST,), aa=(MOST,), bb=(MOST,),
     some=(MOST,), rest=(MOST,), roots=(MOST,), edges=(MOST,), parts=(5, MOST), work=(MOST, MOST),
-    grid=(2, MOST),
+    grid=(2, MOST), under=(MOST, SIDES), sides=(NOTES + MOST, SIDES),
 )  # fmt: skip
 TRACK = Layout(
     Track, LINES.end, block=(WIDE + 4, ROOM), states=(KEPT, WIDE),

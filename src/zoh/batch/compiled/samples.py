@@ -141,25 +141,27 @@ def crests(
     size: int,
 ) -> None:  # fmt: skip
     """Keep the crest that is about the highest."""
-    rise, fall, turns, turn = block[RISE], block[FALL], zs[OTHER], 0.0
-    for lane in range(LANES):
-        turns[lane] = 0.0
-    for i in range(PAST, _END, LANES):
-        for lane in range(LANES):
-            x = rise[i + lane] if rise[i + lane] < -fall[i + lane] else -fall[i + lane]
-            turns[lane] = x if x > turns[lane] else turns[lane]
-    for lane in range(LANES):
-        turn = turns[lane] if turns[lane] > turn else turn
-    if not turn > 0.0:
-        return
-    span, there = pieces.ends[piece + 1] - pieces.ends[piece], zs[NEXT]
-    for i in range(PAST, _END):
-        if rise[i] > 0.0 > fall[i]:
-            take(block, i, size, there)
-            y0, y1 = along(pieces.y0[piece], there, size), along(pieces.y1[piece], there, size)
-            height = estimate(sign * y0, sign * y1, rise[i] * span, fall[i] * span)
-            if height >= seen[CREST]:  # a corner's own height: the crest behind it is higher
-                keep(block, zs, seen, height, i, k, float(piece), size)
+    rise, fall, there = block[RISE], block[FALL], zs[NEXT]
+    span, i = pieces.ends[piece + 1] - pieces.ends[piece], PAST - 1
+    while True:
+        i = turning(rise, fall, i + 1)
+        if i == _END:
+            break
+        take(block, i, size, there)
+        y0, y1 = along(pieces.y0[piece], there, size), along(pieces.y1[piece], there, size)
+        height = estimate(sign * y0, sign * y1, rise[i] * span, fall[i] * span)
+        if height >= seen[CREST]:  # a corner's own height: the crest behind it is higher
+            keep(block, zs, seen, height, i, k, float(piece), size)
+
+
+@compiled
+def turning(rise: Array, fall: Array, start: int) -> int:
+    """Return the first sample from one on behind which there is a crest, or the block's end."""
+    found = _END
+    for i in range(PAST, _END):  # not left early: so many are looked at at once
+        turns = int(rise[i] > 0.0) & int(fall[i] < 0.0) & int(i >= start)
+        found = min(found, i if turns else _END)
+    return found
 
 
 @compiled

@@ -10,6 +10,14 @@ from zoh.batch.tolerances import PIVOT
 @compiled
 def stable(w: int, n: int) -> tuple[bool, bool]:
     """Return (whether the closed loop is stable, whether rounding may have decided it); Routh."""
+    if n == 4:  # of the usual degree the compiler knows every place beforehand
+        return scheme(w, 4)
+    return scheme(w, n)
+
+
+@compiled
+def scheme(w: int, n: int) -> tuple[bool, bool]:
+    """Do what ``stable`` does."""
     lines = work.lines(w)
     num, den, c, d = lines.num, lines.den, lines.rest, lines.roots
     size = 0.0

@@ -80,18 +80,49 @@ def twice(w: int, level: int, size: int) -> None:
 def doubled(s: Array, out: Array, size: int) -> None:
     """Write 2 s + s s, by columns."""
     for k in range(size):
-        product(s[k], 1.0, s, 0, LANES if size <= LANES else WIDE, size, out[k])
-        for i in range(size):
-            out[k, i] += 2.0 * s[k, i]
+        for first in range(0, LANES if size <= LANES else WIDE, LANES):
+            at = np.uint64(first)
+            a, b, c, d = s[k, at], s[k, at + _1], s[k, at + _2], s[k, at + _3]
+            e, f, g, h = s[k, at + _4], s[k, at + _5], s[k, at + _6], s[k, at + _7]
+            a, b, c, d, e, f, g, h = a + a, b + b, c + c, d + d, e + e, f + f, g + g, h + h
+            for j in range(size):
+                part = s[k, j]
+                a += part * s[j, at]
+                b += part * s[j, at + _1]
+                c += part * s[j, at + _2]
+                d += part * s[j, at + _3]
+                e += part * s[j, at + _4]
+                f += part * s[j, at + _5]
+                g += part * s[j, at + _6]
+                h += part * s[j, at + _7]
+            out[k, at], out[k, at + _1], out[k, at + _2], out[k, at + _3] = a, b, c, d
+            out[k, at + _4], out[k, at + _5], out[k, at + _6], out[k, at + _7] = e, f, g, h
+
+
+@shared
+def first_four(w: int, level: int, size: int) -> None:
+    """Write Z at a block's first four samples, 2^level apart, from the first one."""
+    if size == 4:
+        begun(w, level, 4)
+    elif size == 5:
+        begun(w, level, 5)
+    else:
+        begun(w, level, size)
 
 
 @compiled
-def first_four(w: int, level: int, size: int) -> None:
-    """Write Z at a block's first four samples, 2^level apart, from the first one."""
+def begun(w: int, level: int, size: int) -> None:
+    """Do what ``first_four`` does; the one that Z ends with stays."""
     t = work.track(w)
-    single(t.ladder[level], t.block, PAST, 1, size)
-    single(t.ladder[level + 1], t.block, PAST, 2, size)
-    single(t.ladder[level + 1], t.block, PAST + 1, 2, size)
+    block, zs = t.block, t.states
+    z0, z1, z2, z3 = zs[NEXT], zs[FOUND], zs[THERE], zs[OTHER]
+    take(block, PAST, size, z0)
+    move(t.ladder[level], z0, size, z1)
+    move(t.ladder[level + 1], z0, size, z2)
+    move(t.ladder[level + 1], z1, size, z3)
+    for j in range(size - 1):
+        block[j, PAST], block[j, PAST + 1] = z0[j], z1[j]
+        block[j, PAST + 2], block[j, PAST + 3] = z2[j], z3[j]
 
 
 @shared
@@ -115,16 +146,6 @@ def filled(w: int, level: int, size: int) -> None:
         four(s, block, first, LANES, size)
         four(s, block, first + 4, LANES, size)
     four(s, block, PAST + BLOCK - LANES, LANES, size)
-
-
-@compiled
-def single(s: Array, block: Array, at: int, length: int, size: int) -> None:
-    """Write the column so far after one; the one that Z ends with stays."""
-    for i in range(size - 1):
-        total = block[i, at]
-        for j in range(size):
-            total += s[j, i] * block[j, at]
-        block[i, at + length] = total
 
 
 @compiled
