@@ -25,6 +25,7 @@ from zoh.sampling.fixed import Element, FixedRing, Ratio, fixed, log2_above
 from zoh.sampling.response import Scaled
 
 Array = npt.NDArray[np.float64]
+Powers = npt.NDArray[np.int64]
 
 _FIRST = 80  # bits, and some for each mode and each halving, that are mostly enough
 _SHORT = 12  # halvings: beyond, too few bits to begin with cost more than too many
@@ -63,7 +64,7 @@ class Moves:
         # sigma^j P has no power below j, and den none below its roots at 0
         by_structure = (column <= derivative) & (column < n - self.scaled.moving)
         while True:
-            rows, errors = self._rows(t, bits, n, _Units(e, -e, 0), seen=False)
+            rows, errors = self._rows(t, bits, e * (derivative - column), seen=False)
             sizes = np.abs(rows)
             allowed = np.maximum(_SURE * sizes, _NOTHING * sizes.max(axis=1, keepdims=True))
             missing = _missing(np.where(by_structure, 0.0, errors), allowed)
@@ -79,11 +80,11 @@ class Moves:
         n, e = len(self.scaled.den) - 1, self.exponent
         unit, doublings = frexp(span * self.ratio)
         doublings += e
-        units = _Units(doublings, -e, e * n + self.scaled.gain)
         weights = np.array([[unit**j / factorial(j)] for j in range(terms)])
+        units = doublings * np.arange(terms)[:, None] + e * np.arange(n, -1, -1) + self.scaled.gain
         bits = self.bits + max(0, doublings * terms)
         while True:
-            rows, errors = self._rows(t, bits, terms, units, seen=True)
+            rows, errors = self._rows(t, bits, units, seen=True)
             rows *= weights
             sizes = np.abs(rows).max(axis=0)
             allowed = np.maximum(_SURE * sizes, _NOTHING * sizes.max())
@@ -93,17 +94,18 @@ class Moves:
             bits += missing
 
     def _rows(
-        self, t: float | Decimal, bits: int, count: int, units: "_Units", *, seen: bool
+        self, t: float | Decimal, bits: int, units: Powers, *, seen: bool
     ) -> tuple[Array, Array]:
-        """Return ``count`` derivatives, a row each on state and input, and bounds on their errors.
+        """Return derivatives, a row each on state and input, and bounds on their errors.
 
-        seen  those of the output, the direct path left out; else those of x_0 less itself
+        units  the power of two that each number is to be times
+        seen   those of the output, the direct path left out; else those of x_0 less itself
         """
         plant = self.scaled
         den = [fixed(c, bits - plant.rate * i) for i, c in enumerate(plant.den)]
         ring = FixedRing(modulus=tuple(den[:0:-1]), bits=bits)
         element, error = ring.growth(*self._time(t), 0)
-        ahead, n = 0, len(element)
+        ahead, n, count = 0, len(element), len(units)
         if seen:
             c = self._output(den, bits)
             moved = ring.applied(ring.rows(element), c)
@@ -111,19 +113,15 @@ class Moves:
             element = [a + b for a, b in zip(moved, (*c[1:], 0), strict=True)]
             ahead = c[0]
         error += (count + 1) * n * (2 + ring.norm(element) + (abs(ahead) >> bits))
-        rows, errors = [], []
-        for j in range(count):
+        rows = []
+        for exponents in (units - bits).tolist():
             last = element[-1]
             element = ring.times_sigma(element)
             element[0] += ahead
             ahead = 0
-            shifts = units.of(j, n + 1, bits)
-            try:
-                rows.append([_scaled(a, s) for a, s in zip((*element, last), shifts, strict=True)])
-            except OverflowError:
-                raise _beyond_floats(plant.dt) from None
-            errors.append([2.0 ** min(error.bit_length() + s, _LARGE) for s in shifts])
-        return np.array(rows), np.array(errors)
+            rows.append(_scaled((*element, last), exponents, plant.dt))
+        errors = np.ldexp(1.0, np.minimum(units + (error.bit_length() - bits), _LARGE))
+        return np.array(rows), errors
 
     def _time(self, t: float | Decimal) -> tuple[Ratio, int]:
         """Return t samples in units of T, and how often that must be halved to be 1/2 at most."""
@@ -140,23 +138,19 @@ class Moves:
         return [a - (num[0] * b >> bits) for a, b in zip(num[:0:-1], den[:0:-1], strict=True)]
 
 
-@dataclass(frozen=True, slots=True)
-class _Units:
-    """The power of two that the number in row j and column i is to be times."""
-
-    per_row: int
-    per_column: int
-    all: int
-
-    def of(self, row: int, columns: int, bits: int) -> list[int]:
-        """Return those of a row in units of 2^-bits."""
-        first = self.all + row * self.per_row - bits
-        return [first + i * self.per_column for i in range(columns)]
-
-
-def _scaled(a: int, exponent: int) -> float:
-    """Return a 2^exponent; raise OverflowError where that is no float."""
-    return float(a << exponent) if exponent >= 0 else a / (1 << -exponent)
+def _scaled(a: Element, exponents: list[int], dt: float) -> list[float]:
+    """Return a 2^exponent for each; raise SpecError where that is no float."""
+    try:
+        return [
+            float(c << e) if e >= 0 else c / (1 << -e) for c, e in zip(a, exponents, strict=True)
+        ]
+    except OverflowError:
+        raise SpecError(
+            "dt",
+            "must keep the plant's motion within a sample within a float's range",
+            dt,
+            "sample faster, or leave the fast mode out of the model",
+        ) from None
 
 
 def _missing(errors: Array, allowed: Array) -> int:
@@ -165,12 +159,3 @@ def _missing(errors: Array, allowed: Array) -> int:
         excess = np.where(errors > allowed, errors / allowed, 1.0)
     worst = min(float(excess.max()), 2.0**_LARGE)
     return 0 if worst <= 1 else frexp(worst)[1] + 1
-
-
-def _beyond_floats(dt: float) -> SpecError:
-    return SpecError(
-        "dt",
-        "must keep the plant's motion within a sample within a float's range",
-        dt,
-        "sample faster, or leave the fast mode out of the model",
-    )
