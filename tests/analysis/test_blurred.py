@@ -7,10 +7,11 @@ import pytest
 from mpmath import mp, mpf
 
 from zoh.analysis import blurred
-from zoh.analysis.blurred import _off, blurs
+from zoh.analysis.blurred import _off, _part, blurs
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import margins, measure_loop
 from zoh.errors import AccuracyWarning
+from zoh.laws import lead
 from zoh.lti.systems import Plant, Sampled
 from zoh.sampling.hold import sample
 
@@ -133,3 +134,25 @@ def test_without_damping_no_phase_moves():
     undamped = mode(0.0, 1.0)
     assert _off(undamped, 0.9, turning=False) == inf
     assert _off(undamped, 0.9, turning=True) < 1e-14  # two terms of one sign each, a few roundings
+
+
+def test_a_root_at_zero_by_structure_loses_nothing_there():
+    """(w + 1)/(w (w + 2)) at v = 0: den has no terms there, and a 0 is no difference."""
+    integrates = Loop.of(Sampled.from_w(num_w=[1, 1], den_w=[1, 2, 0], dt=0.5))
+    assert _part(integrates, 0.0) == 2 * A_ROUNDING  # one of num, one of den
+
+
+def test_the_margins_of_a_lead_on_an_integrator_of_five_modes():
+    """A loop that is asked for its blur at v = 0, too; pm as it was designed."""
+    plant = Plant(
+        num=[1.6130226873330313, 9.824735791616826, 12.348278940420329],
+        den=[
+            1.0, 1.8616500971667507, 24.774994124874574, 39.89429703109592, 16.406078412237033, 0.0,
+        ],
+    )  # fmt: skip
+    dt = 0.003949342032231476
+    found = lead(
+        plant, dt=dt, compute_delay=dt, wc=0.4858016807696745, pm_deg=61.368872295224286,
+        dc_gain=0.5493424015953792,
+    )  # fmt: skip
+    assert found.margins.phase_margin_deg == pytest.approx(61.368872295224286, rel=1e-9)

@@ -95,4 +95,6 @@ def _part(loop: Loop, v: float) -> float:
 def _lost(a: Poly, v: float) -> float:
     """Return how much larger the terms of a(jv) are than it is."""
     size = terms(a, v)
+    if not size:  # at 0, a root there by structure
+        return 1.0
     return size / max(abs(scalar(a, v)), _LEAST * size)
