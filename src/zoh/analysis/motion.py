@@ -22,7 +22,7 @@ from zoh.errors import SpecError
 
 Indices = npt.NDArray[np.int64]
 
-QUIET = 1e-8  # the slowest mode has fallen to this at the horizon
+QUIET = 1e-10  # the slowest mode has fallen to this at the horizon: no peak after it has 9 digits
 _SLOWEST = 1e-14
 _PLAIN = 1e-3  # a decay per step that I + S holds to 13 digits: S by itself need not be kept
 _AT_ONCE = 1e6  # the decay of a mode at z = 0

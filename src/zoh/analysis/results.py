@@ -104,7 +104,7 @@ class StepInfo:
                         is 0), a size of 0 or more, and when in s
     final_value         what it settles to
     steady_state_error  reference minus final value
-    horizon             s, to which it was followed: until its slowest mode has fallen to 1e-8,
+    horizon             s, to which it was followed: until its slowest mode has fallen to 1e-10,
                         or as far as a million samples that matter go
     between_samples     the same, exactly, between the samples too; None where that is not known
     peak_effort         the largest |u| asked of the actuator, in input units; None for a bare T

@@ -25,6 +25,7 @@ from zoh.lti.systems import Plant, Sampled
 
 RISE = (0.1, 0.9)
 _NOTHING = 1e-10  # an overshoot below this part of the final value is rounding
+_ROUNDING = 1e-12  # of an effort: what it comes to rest at, nearer than this, it has reached
 
 
 def step_info(system: Plant | Sampled) -> StepInfo:
@@ -91,7 +92,7 @@ def closed_loop_step(
     ends = sorted((reference * min(at_rest, least), reference * max(at_rest, most)))
     peak = max(-ends[0], ends[1])
     last = top if (most, bottom) > (-least, top) else bottom  # the first of both
-    reached = abs(reference) * max(most, -least) >= peak * (1 - _NOTHING)
+    reached = abs(reference) * max(most, -least) >= peak * (1 - _ROUNDING)
     return seen.at_samples(
         between_samples=seen.between() if motion.stretches else None,
         peak_effort=peak,

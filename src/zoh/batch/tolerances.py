@@ -24,7 +24,7 @@ FLAT = 1e-13  # of y: a slope this small over a whole piece is rounding
 
 APART = 1e-4  # of a pole: three digits of it say how it turns
 LOST = 2e-9  # of the final value: what is left of a mode no longer says where to look
-QUIET = log(1e8)  # the slowest mode is followed until it has fallen so far
+QUIET = log(1e10)  # the slowest mode is followed until it has fallen so far
 TURN = 0.25  # rad that a mode turns at most between two samples that are looked at
 BAND, NEAR = 0.02, 0.9  # a response has settled in its band; alone and in this part of it it stays
 CREST = 0.98  # of the band: between samples at a long stride it may be left
