@@ -126,7 +126,7 @@ def test_a_swing_is_shown_four_times_a_radian(angle):
     track = of(z).track()
     gaps = np.diff(track.k)
     turn = hypot(angle, log(abs(z)))
-    alive = track.k[:-1] * -log(abs(z)) <= 20
+    alive = track.k[:-1] * -log(abs(z)) <= 36
     assert gaps[alive].max() <= max(1, 0.25 / turn)
     assert gaps[alive].min() > 0.25 / turn / 4 or gaps[alive].min() == 1
     assert (abs(z) ** track.k[-1]) <= 1e-10
@@ -144,7 +144,7 @@ def test_a_gap_is_the_largest_power_of_two_within_a_quarter_of_a_radian(angle, g
 def test_two_swings_are_shown_as_the_faster_needs_while_it_lives():
     fast, slow = turning(0.99, 1.0), turning(1 - 1e-6, 1e-4)
     track = of(fast, slow).track()
-    gone = 20 / -log(0.99)  # 1990 samples
+    gone = 36 / -log(0.99)  # 3582 samples
     gaps = np.diff(track.k)
     assert (gaps[track.k[:-1] < gone - 1] == 1).all()
     late = gaps[track.k[:-1] > 2 * gone]

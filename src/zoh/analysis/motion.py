@@ -26,7 +26,7 @@ QUIET = 1e-10  # the slowest mode has fallen to this at the horizon: no peak aft
 _SLOWEST = 1e-14
 _PLAIN = 1e-3  # a decay per step that I + S holds to 13 digits: S by itself need not be kept
 _AT_ONCE = 1e6  # the decay of a mode at z = 0
-_GONE = 20.0  # exp(-20) of what it was does not say where to look
+_GONE = 36.0  # exp(-36) of what it was is a rounding of it
 _TURN = 0.25  # rad that a mode turns at most from one sample shown to the next
 BAND = 0.02  # of its final value around that: in it a response has settled
 NEAR = 0.9  # of the band: what creeps on from there has settled
