@@ -10,6 +10,7 @@ from math import comb
 import pytest
 from mpmath import mp, mpf
 
+from zoh.errors import SpecError
 from zoh.lti.systems import Plant
 from zoh.lti.wplane import bilinear_weights
 from zoh.sampling.hold import sample
@@ -123,3 +124,9 @@ def test_units_do_not_matter(unit):
     assert sample(Plant(num=[unit], den=[1, 1]), 0.1).num == pytest.approx(
         [unit * c for c in plain.num], rel=1e-15
     )
+
+
+def test_a_mode_that_outgrows_every_float_is_refused_before_it_is_followed():
+    # -1e-6 s^3 + 3 s^2 + 2 s grows by exp(3e6 dt): a million bits would be needed to say so
+    with pytest.raises(SpecError, match=r"within a float's range, got 0\.1: sample faster"):
+        sample(Plant(num=[1], den=[-1e-6, 3, 2, 0]), 0.1)

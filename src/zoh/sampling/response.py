@@ -15,6 +15,7 @@ from zoh.sampling.fixed import FixedRing, Ratio, fixed, log2_above
 _MOST_HALVINGS = 60  # of the exponential's argument: a mode 1e17 times faster than dt
 _LONG = 6  # halvings: a dt of more than 32 of the fastest mode's time constants
 _FLOAT = 1000  # bits behind the point of what becomes a float
+_NO_FLOAT = 1100  # doublings within dt: a pole that grows by so much has no float in z
 _FAST = 1200  # bits; what is smaller than 2^-1076 is 0 in a float
 
 
@@ -106,7 +107,7 @@ class Scaled:
 
         An element's size is what the mode grows by, and more the closer the poles are; each of
         the n powers adds one to the size and one to the bits that its error takes up. A guess
-        to begin with: what is given out is proved.
+        to begin with: what is given out is proved. Raises SpecError where no float holds it.
         """
         if all(a >= 0 for a, _ in self.den):
             return 0
@@ -114,6 +115,13 @@ class Scaled:
         inside = [fixed(c, _FLOAT - self.rate * i) / 2.0**_FLOAT for i, c in enumerate(self.den)]
         grows = max(0.0, float(poly.roots(inside).real.max()))
         by = int(ldexp(grows * self.dt, self.rate) / log(2.0))
+        if by > _NO_FLOAT:
+            raise SpecError(
+                "dt",
+                "must keep the sampled plant within a float's range",
+                self.dt,
+                "sample faster: an unstable mode outgrows 1e308 within one sample",
+            )
         return (n + 2) * (by + 5 * n) + n * by + 10 * halvings if by else 0
 
 
