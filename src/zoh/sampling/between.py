@@ -6,9 +6,9 @@ The state is that of the controllable canonical form in units of the sample time
     x(t) = x + (Phi(t) - I) x + Gamma(t) u,    y = c x + d u
 
 Phi - I is given, not Phi: at a small dt the difference is what counts. Modulo sigma den(sigma),
-sigma = s dt, both are one polynomial, exp(sigma t) (see ``ring``). Where the fastest mode turns
+sigma = s dt, both are one polynomial, exp(sigma t) (see ``fixed``). Where the fastest mode turns
 by little in a sample every sum on the way is led by its first term, and floats serve; elsewhere
-digits do.
+whole numbers do (see ``moves``).
 """
 
 from dataclasses import dataclass
