@@ -8,7 +8,6 @@ import pytest
 from zoh.analysis.close import (
     _AROUND,
     Close,
-    _by_polynomial,
     _delay_grid,
     _landmarks,
     _middle,
@@ -39,19 +38,6 @@ def test_the_middle_brings_the_ends_together():
     assert _middle((0, 1, 3, 64, 0)) == 3
     assert _middle((64, 0, 1)) == -3
     assert (_middle((7,)), _middle((0, 0)), _middle((0, 5, 0))) == (0, 0, 0)
-
-
-def test_a_polynomial_in_floats_keeps_its_sign():
-    for roots in ((1, 5), (3, 700, 90_000), (1,), (2, 3)):
-        a = np.poly(roots).round().astype(int).tolist()
-        f = _by_polynomial([c * 3**40 for c in a])
-        points = [0.5, *[sqrt(r) * s for r in roots for s in (1 - 1e-6, 1 + 1e-6)], 1e3, 1e40]
-        for v in points:
-            assert np.sign(f(v)) == np.sign(np.prod([v * v - r for r in roots]))
-    f = _by_polynomial((1, -6, 5))  # with q = 2 y: 4 y^2 - 12 y + 5, over 2^4
-    assert f(1.0) == 0
-    assert f(2.0) == pytest.approx((16 - 24 + 5) / 4 * f(0.0) / 5)  # y = 2: over y^2
-    assert f(4.0) == pytest.approx((256 - 96 + 5) / 64 * f(0.0) / 5)
 
 
 def test_suspects_are_the_roots_and_their_sides():

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from zoh.analysis.axis import scalar
-from zoh.analysis.loop import Loop, out_of_range
+from zoh.analysis.loop import Loop
 from zoh.analysis.margins import measure_loop
+from zoh.analysis.series import out_of_range
 from zoh.errors import SpecError
 from zoh.lti.systems import Plant, Sampled
 

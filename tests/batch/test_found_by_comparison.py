@@ -10,6 +10,7 @@ import zoh
 from zoh.batch import single
 from zoh.batch.arrays import between, held, turns
 from zoh.batch.arrays import run as arrays
+from zoh.batch.arrays.asked import _fastest, _turns_once
 from zoh.batch.job import Job
 from zoh.batch.reason import Reason
 
@@ -285,7 +286,7 @@ def test_the_fastest_pole_is_bounded_by_hand():
     four = np.repeat([[1.0], [4.0], [6.0], [4.0], [1.0]], 4, axis=1)
     pair = np.repeat([[0.1], [1.0], [0.1], [1.0]], 4, axis=1)
     for den in (four, pair):
-        bound = arrays._fastest(den, dt)
+        bound = _fastest(den, dt)
         assert (bound >= dt).all()
         assert (bound[1:] <= 1.17 * dt[1:]).all()
 
@@ -293,9 +294,9 @@ def test_the_fastest_pole_is_bounded_by_hand():
 def test_two_real_poles_turn_once_however_fast():
     # s^2 + 5 s + 4, s^2 + 2 s + 1, s^2 + s + 1, s + 9, and three real poles
     two = np.array([[4.0, 1.0, 1.0], [5.0, 2.0, 1.0], [1.0, 1.0, 1.0]])
-    assert arrays._turns_once(two).tolist() == [True, True, False]
-    assert arrays._turns_once(np.array([[9.0], [1.0]])).tolist() == [True]
-    assert arrays._turns_once(np.array([[6.0], [11.0], [6.0], [1.0]])).tolist() == [False]
+    assert _turns_once(two).tolist() == [True, True, False]
+    assert _turns_once(np.array([[9.0], [1.0]])).tolist() == [True]
+    assert _turns_once(np.array([[6.0], [11.0], [6.0], [1.0]])).tolist() == [False]
 
 
 def crest_in_50_digits(gain, a, design):

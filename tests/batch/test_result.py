@@ -1,5 +1,7 @@
 """The questions that are asked of a sweep, answered as a loop over single designs would."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -136,6 +138,19 @@ def test_a_summary_in_json_counts_each_reason(swept):
     assert set(said["extremes"]) == set(BY_NAME)
     low, high = said["yield_interval_95"]
     assert 0 < low < said["yield"] < high < 1
+
+
+def test_what_cannot_be_written_leaves_no_half_of_a_file(swept, tmp_path, monkeypatch):
+    xarray = pytest.importorskip("xarray")
+
+    def full(dataset, path, engine):
+        Path(path).write_bytes(b"half")
+        raise OSError("no space left on device")
+
+    monkeypatch.setattr(xarray.Dataset, "to_netcdf", full)
+    with pytest.raises(OSError, match="no space left"):
+        swept.to_netcdf(str(tmp_path / "a.nc"))
+    assert not list(tmp_path.iterdir())
 
 
 def test_the_dataset_of_a_grid_has_its_axes_and_units(swept, tmp_path):

@@ -11,6 +11,7 @@ from benchmarks.sweep import equal
 import zoh
 from zoh.batch import single
 from zoh.batch.arrays import run as arrays
+from zoh.batch.arrays.asked import batch
 from zoh.batch.blocks import computed
 from zoh.batch.job import Job
 from zoh.batch.reason import Reason
@@ -95,7 +96,7 @@ def test_most_loops_are_not_left_to_the_single_design():
     left = 0
     for plant, law, late in CASES:
         job, columns = spread(plant, law, late)
-        regular = arrays.batch(job, columns, LOOPS).regular
+        regular = batch(job, columns, LOOPS).regular
         left += int((arrays.some(job, columns, LOOPS)[1] & regular).sum())
     assert left < 0.1 * LOOPS * len(CASES)
 

@@ -162,6 +162,10 @@ def test_a_sweep_that_was_held_is_saved_with_its_seals(tmp_path, grid, damage):
             lambda path: xarray.Dataset({"a": ("x", [1.0])}).to_zarr(path, consolidated=False),
             "it holds no sweep",
         ),
+        (
+            lambda path: xarray.Dataset(attrs={"zoh": "0.1"}).to_zarr(path, consolidated=False),
+            "it holds no sweep",
+        ),
     ],
 )
 def test_what_is_no_store_is_said_in_one_line(tmp_path, made, why):

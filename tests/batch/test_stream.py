@@ -74,9 +74,16 @@ def test_a_store_that_is_whole_is_not_touched_again(tmp_path):
 def test_a_first_write_that_did_not_end_is_no_store(tmp_path):
     folder = tmp_path / "a.zarr"
     folder.mkdir()
-    (folder / "zarr.1234.partial").write_text("{")
+    (folder / "zarr.json.1234.partial").write_text("{")
     assert sweep_to(str(folder), JOB, space(10)).loops == 10
     assert not list(folder.rglob("*.partial"))
+
+
+def test_a_download_that_did_not_end_is_not_ours_to_remove(tmp_path):
+    (tmp_path / "film.partial").write_text("half")
+    with pytest.raises(zoh.SpecError, match=r"must be new, .* but it has no zarr\.json"):
+        sweep_to(str(tmp_path), JOB, space(10))
+    assert [f.read_text() for f in tmp_path.iterdir()] == ["half"]
 
 
 def test_only_what_is_asked_for_is_kept(tmp_path):

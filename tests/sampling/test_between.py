@@ -8,6 +8,7 @@ from mpmath import mp, mpf
 
 from zoh.lti.systems import Plant
 from zoh.sampling.between import Held
+from zoh.sampling.moves import Moves
 
 REL = 1e-13
 
@@ -36,7 +37,7 @@ def test_a_lag_moves_as_an_exponential(t):
 def test_a_lags_series(t, span, direct):
     # y = direct u + 0.25 x; den (s + 3) direct/sensor is added to num
     plant = Plant(num=[8, 26] if direct else [2], den=[1, 3], sensor=0.25)
-    on_state, on_input = Held.of(plant, 0.5)._taylor(t, span).T
+    on_state, on_input = Held.of(plant, 0.5)._taylor(t, span, Moves.of(plant, 0.5)).T
     fall = exp(-1.5 * t)
     powers = np.array([(-1.5 * span) ** j / factorial(j) for j in range(len(on_input))])
     assert on_state == pytest.approx(0.25 * fall * powers, rel=REL)
@@ -109,7 +110,7 @@ def test_moves_in_fifty_digits(plant, dt, t):
 @pytest.mark.parametrize("t", [0.0, 0.3])
 def test_series_in_fifty_digits(plant, dt, t):
     n, span = len(plant.den) - 1, 0.25
-    found = Held.of(plant, dt)._taylor(t, span)
+    found = Held.of(plant, dt)._taylor(t, span, Moves.of(plant, dt))
     on_state, on_input = found[:, :n], found[:, n]
     rows = []
     with mp.workdps(50):

@@ -30,7 +30,8 @@ def is_blurred(loop: Loop, found: Margins, near: Sequence[float]) -> bool:
     """
     if loop.given:
         return False
-    if max([_part(loop, v) for v in near if v * (loop.dt or 0.0) < _END], default=0.0) > _LOST:
+    dt = loop.made[0].dt
+    if max([_part(loop, v) for v in near if v * dt < _END], default=0.0) > _LOST:
         return True
     _, by_phase = _worst(loop, found.gain_crossings, turning=True)
     _, by_gain = _worst(loop, found.phase_crossings, turning=False)
@@ -65,8 +66,9 @@ def _worst(
 
 def _off(loop: Loop, w: float, *, turning: bool) -> float:
     """Return by how much rounding moves ln L at a crossing: its phase in rad, or its gain."""
-    v = w if loop.dt is None else warp(w, loop.dt)
-    if not v * (loop.dt or 0.0) < _END:
+    dt = loop.made[0].dt
+    v = warp(w, dt)
+    if not v * dt < _END:
         return 0.0
     top, bottom, slope_top, slope_bottom = loop.slopes(v)
     if not (top and bottom):
@@ -79,8 +81,9 @@ def _off(loop: Loop, w: float, *, turning: bool) -> float:
 
 def _peak_off(loop: Loop, w: float) -> float:
     """Return by which part of itself rounding moves |1 + L|."""
-    v = w if loop.dt is None else warp(w, loop.dt)
-    if not 0 < v * (loop.dt or 1.0) < _END:
+    dt = loop.made[0].dt
+    v = warp(w, dt)
+    if not 0 < v * dt < _END:
         return 0.0
     top, bottom = loop.point(v)
     part = _part(loop, v)

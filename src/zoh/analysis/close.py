@@ -1,11 +1,11 @@
-"""A look at a loop from close by, for what a sparse one may have missed.
+"""A look at a loop with a delay from close by, for what a sparse one may have missed.
 
 The grid is dense around every pole, zero and closed-loop pole, near every root of the
 polynomials in v^2 and along every turn of a delay. A sign change between neighbours is closed
 in on with the loop itself, and every valley of a ratio is followed to its bottom.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf, pi
 
@@ -73,14 +73,9 @@ class Close:
 
     def turns(self) -> list[float]:
         """Return every v up to ``reach`` at which L is real, ascending."""
-        if self.loop.dead_time:
-            side = (self.top * np.conj(self.bottom)).imag
-            found = sign_changes(self.loop.side, self.v, np.sign(side) * (self.v <= self.reach))
-            return _sharpened(self.squares.turn, found) if self.squares.whole else found
-        # far from all corners the phase nears a multiple of 90 deg, and only this sign holds
-        turning = _by_polynomial(self.squares.turn)
-        found = sign_changes(turning, self.v, np.sign([turning(v) for v in self.v.tolist()]))
-        return _sharpened(self.squares.turn, found)
+        side = (self.top * np.conj(self.bottom)).imag
+        found = sign_changes(self.loop.side, self.v, np.sign(side) * (self.v <= self.reach))
+        return _sharpened(self.squares.turn, found) if self.squares.whole else found
 
     def drops(self) -> list[float]:
         """Return every v at which |T| passes the level at which the bandwidth ends, ascending."""
@@ -113,25 +108,6 @@ class Close:
 def _sharpened(a: Whole, found: Sequence[float]) -> list[float]:
     """Return the roots of a that were found, to a float's last digits, each once."""
     return merged([sharpened(a, v) for v in found])
-
-
-def _by_polynomial(turn: Whole) -> Callable[[float], float]:
-    """Return a function of v with the sign of the polynomial ``turn`` of v^2, in floats."""
-    octaves = _middle(turn)
-    scaled = whole.floats(turn, octaves, whole.size(turn, octaves))
-    half, odd = divmod(-octaves, 2)
-    unit, rest = 2.0**half, 2.0**odd
-
-    def turning(v: float) -> float:
-        q = (v * unit) ** 2 * rest
-        x, y = (q, 1.0) if q < 1 else (1.0, 1 / q)  # no power overflows
-        value, power = scaled[0], y
-        for c in scaled[1:]:
-            value = value * x + c * power
-            power *= y
-        return value
-
-    return turning
 
 
 def _middle(a: Whole) -> int:

@@ -8,7 +8,7 @@ Nyquist frequency, and psi = delay w dt. Everything that is measured is measured
 from cmath import exp
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import atan, inf
+from math import inf
 from operator import is_
 from typing import Any
 
@@ -16,11 +16,12 @@ import numpy as np
 import numpy.typing as npt
 
 from zoh.analysis.axis import scalar, with_slope
-from zoh.errors import SpecError
+from zoh.analysis.series import These, out_of_range, product
 from zoh.lti import divisors, poly, whole
 from zoh.lti.poly import Poly
 from zoh.lti.systems import Plant, Sampled
 from zoh.lti.whole import Whole
+from zoh.lti.wplane import unwarp
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
@@ -51,7 +52,7 @@ class Loop:
 
         The very same systems have the very same loop: a design is measured and looked at again.
         """
-        return _in_series(_These(systems))
+        return _in_series(These(systems))
 
     @property
     def rounded(self) -> tuple[Sampled, ...]:
@@ -78,9 +79,7 @@ class Loop:
 
     def frequency(self, v: float) -> float:
         """Return the real frequency in rad/s at v."""
-        if self.dt is None:
-            return v
-        return 2 / self.dt * atan(v * self.dt / 2)
+        return v if self.dt is None else unwarp(v, self.dt)
 
     def psi(self, v: Any) -> Any:
         """Return the delay's phase lag in rad at v, a number or an array."""
@@ -186,57 +185,15 @@ class Loop:
         return replace(self, num=top, den=bottom, exact=(num, den))
 
 
-class _These:
-    """Systems as a key: these very objects. Two that are equal in z may not be so in w."""
-
-    __slots__ = ("systems",)
-
-    def __init__(self, systems: tuple[Plant | Sampled, ...]) -> None:
-        self.systems = systems
-
-    def __hash__(self) -> int:
-        return hash(tuple(map(id, self.systems)))
-
-    def __eq__(self, other: object) -> bool:
-        return (
-            isinstance(other, _These)
-            and len(self.systems) == len(other.systems)
-            and all(map(is_, self.systems, other.systems))
-        )
-
-
 @lru_cache(maxsize=8)
-def _in_series(these: _These) -> Loop:
+def _in_series(these: These) -> Loop:
     """Return ``Loop.of``."""
-    systems = these.systems
-    first = systems[0] if systems else None
-    for system in systems:
-        if not isinstance(system, (Plant, Sampled)):
-            raise SpecError("L", "must be a zoh.Plant or zoh.Sampled", system, "make one first")
-        if type(system) is not type(first) or _dt(system) != _dt(first):
-            raise SpecError(
-                "dt",
-                f"must be the same throughout a loop ({_dt(first)!r} first)",
-                _dt(system),
-                "zoh.sample the plant with the controller's dt",
-            )
-    num: Whole
-    den: Whole
-    num, den, unit, dead_time = wholes(systems[0]) if systems else ((1,), (1,), 1, 0.0)
-    for system in systems[1:]:
-        top, bottom, its_unit, wait = wholes(system)
-        num, den = whole.times(num, top), whole.times(den, bottom)
-        unit, dead_time = unit * its_unit, dead_time + wait
-    num = [0] * (len(den) - len(num)) + list(num)
+    num, den, unit, dt, dead_time, factors = product(these.systems)
     try:
-        top_floats, bottom_floats = (tuple([c / unit for c in a]) for a in (num, den))
+        top, bottom = (tuple([c / unit for c in a]) for a in (num, den))
     except OverflowError:
-        raise out_of_range([*systems]) from None
-    return Loop(
-        num=top_floats, den=bottom_floats, exact=(num, den), dt=_dt(first),
-        dead_time=dead_time,
-        factors=tuple([f for s in systems for f in _factors(s)]),
-    )  # fmt: skip
+        raise out_of_range([*these.systems]) from None
+    return Loop(num=top, den=bottom, exact=(num, den), dt=dt, dead_time=dead_time, factors=factors)
 
 
 @lru_cache(maxsize=8)
@@ -257,30 +214,3 @@ def _ends(loop: Loop) -> tuple[tuple[float, float, float], ...]:
     else:
         found.append((inf, num[0], den[0]))
     return tuple(found)
-
-
-def _dt(system: Plant | Sampled | None) -> float | None:
-    return system.dt if isinstance(system, Sampled) else None
-
-
-def _factors(system: Plant | Sampled) -> tuple[Plant | Sampled, ...]:
-    return system.factors if isinstance(system, Sampled) else (system,)
-
-
-def wholes(system: Plant | Sampled) -> tuple[Whole, Whole, int, float]:
-    """Return (num, den, unit, delay): whole numbers that are the coefficients times unit."""
-    if isinstance(system, Sampled):
-        return *system.whole_w, system.delay * system.dt
-    (num, den, sensor, one), unit = whole.of(system.num, system.den, (system.sensor,), (1.0,))
-    num, den = whole.times(num, sensor), whole.times(den, one)
-    return num, den, unit * unit, system.dead_time
-
-
-def out_of_range(coefficients: object) -> SpecError:
-    """Return the error of a loop whose gains leave the range of a float."""
-    return SpecError(
-        "L",
-        "must have gains that a 64-bit float can hold",
-        coefficients,
-        "use other units for the signals or for time",
-    )

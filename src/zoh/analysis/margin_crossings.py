@@ -8,7 +8,8 @@ from cmath import exp, phase
 from math import degrees, frexp, inf
 
 from zoh.analysis.axis import terms
-from zoh.analysis.loop import Loop, wholes
+from zoh.analysis.loop import Loop
+from zoh.analysis.series import wholes
 from zoh.analysis.sharp import EXACT, ROUNDED, as_v, closed_in, is_nothing
 from zoh.analysis.squares import Squares, size
 from zoh.lti import poly

@@ -21,12 +21,13 @@ from zoh.analysis.blurred import blurs, is_blurred
 from zoh.analysis.certificates import Proof
 from zoh.analysis.close import Close
 from zoh.analysis.isolated import Isolated
-from zoh.analysis.loop import Loop, out_of_range
+from zoh.analysis.loop import Loop
 from zoh.analysis.margin_crossings import Crossings, gain_crossings, phase_crossings
 from zoh.analysis.needles import deepest, ratio_at_end, runs_through
 from zoh.analysis.proof import Found, Look, Peak, proved
 from zoh.analysis.results import Margins
 from zoh.analysis.rounding import doubts
+from zoh.analysis.series import out_of_range
 from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import LONG, ON_DEN, ON_NUM, ON_OPPOSITE, Below, Squares
 from zoh.analysis.stability import decided

@@ -7,7 +7,7 @@ from zoh.lti import poly
 
 _LAST_STEP = 1e-10  # relative; Newton's next step would be its square, below a float's digits
 _LAST_FLAT_STEP = 1e-6  # that of a least value, which is flat and needs half the digits
-_NEAREST = 30  # octaves; roots nearer to each other than that are left to a look from close by
+_NEAREST = 30  # octaves; roots nearer to each other than that are left to exact isolation
 
 
 def part(a: Sequence[float], left: list[float], right: list[float]) -> None:

@@ -21,10 +21,8 @@ from zoh.batch.job import Job
 from zoh.lti.systems import Plant
 
 _STEM = "kernel-"
-_SEASON = 90 * 86400.0  # s
+_SEASON = 90 * 86400.0  # s: code that no start has loaded for so long is removed
 _COMMAND = "from zoh.batch import first_use; first_use.{}"
-
-
 _ONE = Lock()  # of threads that ask at once the first one compiles
 
 

@@ -15,9 +15,12 @@ if TYPE_CHECKING:
 def write_netcdf(found: "Dataset", path: str) -> None:
     """Write a dataset to a new netCDF 4 file, whole or not at all."""
     refuse_netcdf(path)
-    part = f"{path}.{os.getpid()}.part"
-    found.to_netcdf(part, engine="h5netcdf")
-    os.replace(part, path)
+    part = Path(f"{path}.{os.getpid()}.part")
+    try:
+        found.to_netcdf(part, engine="h5netcdf")
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
 
 
 def refuse_netcdf(path: str) -> None:

@@ -103,7 +103,7 @@ def begin(path: str, files: Mapping[str, bytes]) -> None:
     for place, contents in files.items():
         if seal(folder / place) != crc32(contents):
             put(folder / place, contents)
-    for part in _scraps(folder):
+    for part in folder.glob(f"**/*{_SCRAP}"):
         part.unlink(missing_ok=True)
 
 
@@ -113,7 +113,7 @@ def attributes(path: str, bound: str) -> dict[str, Any]:
         return _attributes((Path(path) / ROOT).read_bytes())
     except (FileNotFoundError, NotADirectoryError):
         why = f"it has no {ROOT}" if os.path.lexists(path) else "it is not there"
-    except (KeyError, TypeError):
+    except (AttributeError, KeyError, TypeError):
         why = "it holds no sweep"
     except ValueError:
         why = f"its {ROOT} is damaged"
@@ -213,8 +213,4 @@ def _is_fresh(folder: Path) -> bool:
     """Return whether nothing is there, or only a first write that did not come to its end."""
     if not folder.is_dir():
         return not os.path.lexists(folder)
-    return all(part in _scraps(folder) for part in folder.iterdir())
-
-
-def _scraps(folder: Path) -> list[Path]:
-    return list(folder.glob(f"**/*{_SCRAP}"))
+    return all(part.match(f"{ROOT}.*{_SCRAP}") for part in folder.iterdir())

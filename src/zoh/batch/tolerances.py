@@ -5,6 +5,8 @@ One list, so that the two leave the same loops to the single design and stop at 
 
 from math import log
 
+import numpy as np
+
 PIVOT = 1e-11  # of its terms: an element of Routh's scheme whose sign rounding may have made
 DOUBLE = 1e-10  # of its terms: a polynomial's value at an extreme that may be 0
 UNITY = 1e-11  # |L| this near to 1 at an end of the axis is for exact arithmetic to decide
@@ -13,6 +15,8 @@ SAME_TURN = 1e-12  # rad; a P turns the phase by nothing, but for rounding
 ON_TARGET = 1e-9  # of the crossover, and deg of the margin: what a design promises
 ON_IT_DEG = 1e-12  # a margin this small is 0: a few roundings of the angle
 DROP = 10.0**-0.3  # 3 dB below, squared
+
+GRID = np.geomspace(1e-2, 1e4, 16)  # of q, where something is looked for first; 1 is one of it
 
 SMALL = 0.5  # the norm of A dt up to which the exponential's series is taken as it stands
 SERIES = 18  # its terms: 0.5^18/18! is 6e-22

@@ -7,7 +7,7 @@ from math import gcd
 
 from zoh.lti.whole import Whole, derivative, divided, times
 
-_PRIME = (1 << 61) - 1
+_PRIME = (1 << 61) - 1  # a Mersenne prime, and so a divisor of hardly any lead
 
 
 def common(a: Whole, b: Whole) -> list[int]:
@@ -20,7 +20,7 @@ def common(a: Whole, b: Whole) -> list[int]:
     if len(one) < len(other):
         one, other = other, one
     while other:
-        one, other = other, _negative_remainder(one, other)
+        one, other = other, _remainder(one, other)
     one = _reduced(one)
     return one if one[0] > 0 else [-c for c in one]
 
@@ -85,18 +85,17 @@ def _led(a: Whole) -> list[int]:
     return list(a[first:])
 
 
-def _negative_remainder(a: Whole, b: Whole) -> list[int]:
-    """Return -(a mod b) times a positive number, its coefficients without a common factor."""
-    rest, lead = list(a), abs(b[0])
-    sign = 1 if b[0] > 0 else -1
+def _remainder(a: Whole, b: Whole) -> list[int]:
+    """Return a mod b times a whole number, its coefficients without a common factor."""
+    rest, lead = list(a), b[0]
     while len(rest) >= len(b):
-        factor = sign * rest[0]
+        factor = rest[0]
         for i in range(len(rest)):
             rest[i] = lead * rest[i] - (factor * b[i] if i < len(b) else 0)
         del rest[0]
-    return _reduced([-c for c in _led(rest)])
+    return _reduced(_led(rest))
 
 
 def _reduced(a: list[int]) -> list[int]:
-    common = gcd(*a)
-    return [c // common for c in a] if common > 1 else a
+    unit = gcd(*a)
+    return [c // unit for c in a] if unit > 1 else a

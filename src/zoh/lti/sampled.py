@@ -15,7 +15,7 @@ from zoh.lti import poly
 from zoh.lti.given import check_fraction, delay_at_zero, in_w
 from zoh.lti.poly import ComplexArray, Poly
 from zoh.lti.whole import of, times
-from zoh.lti.wplane import w_to_z, z_to_w
+from zoh.lti.wplane import roots_in_z, w_to_z, z_to_w
 
 Wholes = tuple[list[int], list[int], int]  # num, den, and the one number that they are times
 
@@ -232,11 +232,11 @@ class Sampled:
 
     def poles(self) -> ComplexArray:
         """Return the poles in z, those of the delay at 0 included."""
-        return np.concatenate([_in_z(self.den_w, self.dt), np.zeros(self.delay)])
+        return np.concatenate([roots_in_z(self.den_w, self.dt), np.zeros(self.delay)])
 
     def zeros(self) -> ComplexArray:
         """Return the finite zeros in z."""
-        found = _in_z(self.num_w, self.dt)
+        found = roots_in_z(self.num_w, self.dt)
         # in w a zero at z = infinity is one at 2/dt: those that num does not have are such
         return found[np.argsort(np.abs(found))][: len(self.num) - 1]
 
@@ -257,11 +257,3 @@ def _floats(values: Sequence[int], unit: int) -> Poly:
             "beyond 1e308",
             "count time in another unit",
         ) from None
-
-
-def _in_z(a_w: Poly, dt: float) -> ComplexArray:
-    at_nyquist = len(a_w) - len(poly.trim(a_w))
-    half = poly.roots(a_w) * dt / 2
-    with np.errstate(divide="ignore", invalid="ignore"):
-        found = np.where(half == 1, np.inf, (1 + half) / (1 - half))
-    return np.concatenate([found, np.full(at_nyquist, -1.0)])

@@ -12,7 +12,11 @@ from functools import lru_cache
 from math import atan, comb, tan
 from operator import mul
 
+import numpy as np
+
+from zoh.lti import poly
 from zoh.lti.digits import Exact
+from zoh.lti.poly import ComplexArray
 from zoh.lti.whole import of
 
 Ratio = tuple[list[int], int]  # whole numbers, and the one number that divides them all
@@ -111,3 +115,16 @@ def w_to_z(a: Sequence[int], dt: float) -> Ratio:
         in_p.append(c * unit << octaves * (n - k))
         unit *= top
     return [sum(map(mul, column, in_p)) for column in _columns(n)[1]], top**n
+
+
+def roots_in_z(a: Sequence[float], dt: float) -> ComplexArray:
+    """Return the z at which a(w) is 0; leading zeros are roots at z = -1, w = 2/dt is z infinite.
+
+    >>> roots_in_z((0.0, 1.0, 0.0), dt=2.0)  # w = 0, and one at infinity
+    array([ 1.+0.j, -1.+0.j])
+    """
+    at_nyquist = len(a) - len(poly.trim(a))
+    half = poly.roots(a) * dt / 2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found = np.where(half == 1, np.inf, (1 + half) / (1 - half))
+    return np.concatenate([found, np.full(at_nyquist, -1.0)])

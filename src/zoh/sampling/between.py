@@ -6,9 +6,9 @@ The state is that of the controllable canonical form in units of the sample time
     x(t) = x + (Phi(t) - I) x + Gamma(t) u,    y = c x + d u
 
 Phi - I is given, not Phi: at a small dt the difference is what counts. Modulo sigma den(sigma),
-sigma = s dt, both are one polynomial, exp(sigma t). Where the fastest mode turns by little in a
-sample every sum on the way is led by its first term, and floats serve; elsewhere whole numbers do
-(see ``moves``).
+sigma = s dt, both are one polynomial, exp(sigma t) (see ``fixed``). Where the fastest mode turns
+by little in a sample every sum on the way is led by its first term, and floats serve; elsewhere
+whole numbers do (see ``moves``).
 """
 
 from dataclasses import dataclass
@@ -26,10 +26,10 @@ from zoh.sampling.moves import Moves
 Array = npt.NDArray[np.float64]
 Series = tuple[float, float, Array]  # begin, span, coefficients
 
-GENTLE = 0.5  # rad that the fastest mode turns at most where floats serve
-SPAN = 2.0  # rad that a live mode turns at most in a stretch with one Taylor series
-MOST_STRETCHES = 2000  # in a sample; a resonance that swings more often is not followed
-_MOST_TERMS = 27  # of a series over SPAN, beside one for each state
+_GENTLE = 0.5  # rad that the fastest mode turns at most where floats serve
+_SPAN = 2.0  # rad that a live mode turns at most in a stretch with one Taylor series
+_MOST_STRETCHES = 2000  # in a sample; a resonance that swings more often is not followed
+_MOST_TERMS = 27  # of a series over _SPAN, beside one for each state
 _TERM = 1e-17  # of the first: a term that is not added any more
 _DEAD = 40.0  # a mode at exp(-40) is gone
 
@@ -69,7 +69,7 @@ class Held:
         n, length = len(self.low), float(t)
         if not n:
             return np.zeros((0, 1)), [(0.0, length, np.array([[self.d]]))]
-        if self.size * length > GENTLE:
+        if self.size * length > _GENTLE:
             moves, stretches = Moves.of(self.plant, self.dt), self._stretches(length)
             return moves.moved(t), [
                 (a, span, self._taylor(a, span, moves)) for a, span in stretches
@@ -87,10 +87,9 @@ class Held:
         series[0, n] += self.d
         return np.array(rows), [(0.0, length, series)]
 
-    def _taylor(self, t: float, span: float, moves: Moves | None = None) -> Array:
+    def _taylor(self, t: float, span: float, moves: Moves) -> Array:
         """Return y's series from t on."""
         if t:
-            moves = moves or Moves.of(self.plant, self.dt)
             rows = moves.series(t, span, self.terms(span))
         else:
             rows = _array(self._series(list(self.c), span))
@@ -113,7 +112,7 @@ class Held:
         A mode that is over does not count, as long as its series, too, stays below what is left
         of it. None at all where there would be too many.
         """
-        if self.size * length <= SPAN:
+        if self.size * length <= _SPAN:
             return [(0.0, length)]
         poles = self.plant.poles() * self.dt
         poles = poles[np.abs(poles) > 0]
@@ -122,9 +121,9 @@ class Held:
         out: list[tuple[float, float]] = []
         while t < length * (1 - 1e-12):
             over = -poles.real * t - _DEAD
-            reach = np.where(over > series, length, np.maximum(SPAN, over) / sizes)
+            reach = np.where(over > series, length, np.maximum(_SPAN, over) / sizes)
             span = min(float(reach.min(initial=np.inf)), length - t)
-            if len(out) == MOST_STRETCHES:
+            if len(out) == _MOST_STRETCHES:
                 return []
             out.append((t, span))
             t += span
@@ -132,7 +131,7 @@ class Held:
 
     def terms(self, span: float) -> int:
         """Return how many Taylor terms carry a stretch to the last bit."""
-        turn, j, term = min(self.size * span, SPAN), 0, 1.0
+        turn, j, term = min(self.size * span, _SPAN), 0, 1.0
         while term > _TERM:
             j += 1
             term *= turn / j

@@ -8,8 +8,9 @@ root if m is the least.
 import numpy as np
 
 from zoh.batch.arrays import rows
-from zoh.batch.arrays.roots import GRID, closed_in, positive_roots
+from zoh.batch.arrays.roots import closed_in, positive_roots
 from zoh.batch.arrays.rows import Array, Mask
+from zoh.batch.tolerances import GRID
 
 _HALF = 0.5 * np.log(GRID[1] / GRID[0])  # of the distance of two points in log q
 _FLAT = 1e-6  # of q: a Newton's step as small as this leaves its square, and a/b the square of that

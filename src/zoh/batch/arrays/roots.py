@@ -9,9 +9,8 @@ bracket) and 9.5 (polynomials).
 import numpy as np
 
 from zoh.batch.arrays.rows import Array, Mask, at, changes, derivative, taken, with_slope
-from zoh.batch.tolerances import DOUBLE
+from zoh.batch.tolerances import DOUBLE, GRID
 
-GRID = np.geomspace(1e-2, 1e4, 16)  # of q, where something is looked for first; 1 is one of it
 _ENDS = 1e25  # roots are looked for between its inverse and it
 _RANGE = 280.0  # decades that a power of a float may fill
 _STEPS = 120  # halvings of a bracket's logarithm, and Newton's steps between them

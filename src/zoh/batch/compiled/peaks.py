@@ -5,14 +5,8 @@ from math import inf, log, sqrt
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
 from zoh.batch.compiled.jit import compiled, shared
-from zoh.batch.compiled.polynomials import (
-    GRID,
-    at,
-    changes,
-    on_grid,
-    positive_roots,
-    without,
-)
+from zoh.batch.compiled.polynomials import at, changes, on_grid, positive_roots, without
+from zoh.batch.tolerances import GRID
 
 _HALF = 0.5 * log(GRID[1] / GRID[0])
 

@@ -10,9 +10,8 @@ import numpy as np
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
 from zoh.batch.compiled.jit import compiled, shared
-from zoh.batch.tolerances import DOUBLE
+from zoh.batch.tolerances import DOUBLE, GRID
 
-GRID = np.geomspace(1e-2, 1e4, 16)  # of q, where something is looked for first
 _1, _2, _3, _4, _5, _6, _7 = (np.uint64(i) for i in range(1, 8))  # places that are never < 0
 _STEPS = 120
 _LAST = 1e-6  # relative: the error after a Newton's step as small as this is its square

@@ -10,8 +10,8 @@ from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
 from zoh.batch.compiled.jit import compiled
 from zoh.batch.compiled.peaks import about
-from zoh.batch.compiled.polynomials import GRID
 from zoh.batch.compiled.room import NOTES, SIDES
+from zoh.batch.tolerances import GRID
 
 _LAST = 1e-6  # relative: the error after a Newton's step as small as this is its square
 _STEPS = 100

@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from zoh.analysis.realised import realised
+from zoh.batch.arrays.asked import Batch, batch, lacks
 from zoh.batch.arrays.rows import Array, Mask
-from zoh.batch.arrays.run import Batch, batch, lacks
 from zoh.batch.backend import CORES
 from zoh.batch.chunks import in_chunks
 from zoh.batch.columns import Columns, Results, length

@@ -72,9 +72,7 @@ def left(q: Pieces, of_state: Array, piece: int, n: int, place: int) -> float:
 
 
 @compiled
-def suspected(
-    w: int, count: int, n: int, sign: float, full: float, k: float, size: int
-) -> bool:  # fmt: skip
+def suspected(w: int, count: int, n: int, sign: float, full: float, k: float, size: int) -> bool:
     """Look at the samples of a block that may hide a crest; return whether one is not known."""
     q, t = work.pieces(w), work.track(w)
     block, zs, seen = t.block, t.states, t.seen

@@ -1,0 +1,102 @@
+"""Systems in series: of one kind and one clock, multiplied in whole numbers, exactly."""
+
+from operator import is_
+from typing import NamedTuple
+
+from zoh.errors import SpecError
+from zoh.lti import whole
+from zoh.lti.systems import Plant, Sampled
+from zoh.lti.whole import Whole
+
+System = Plant | Sampled
+
+
+class Product(NamedTuple):
+    """What systems in series are: num/den of one length, whole numbers times unit; dt, delay in s.
+
+    factors  the systems, those that products are made of each by itself
+    """
+
+    num: Whole
+    den: Whole
+    unit: int
+    dt: float | None
+    dead_time: float
+    factors: tuple[System, ...]
+
+
+class These:
+    """Systems as a key: these very objects. Two that are equal in z may not be so in w."""
+
+    __slots__ = ("systems",)
+
+    def __init__(self, systems: tuple[System, ...]) -> None:
+        self.systems = systems
+
+    def __hash__(self) -> int:
+        return hash(tuple(map(id, self.systems)))
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, These)
+            and len(self.systems) == len(other.systems)
+            and all(map(is_, self.systems, other.systems))
+        )
+
+
+def product(systems: tuple[System, ...]) -> Product:
+    """Return the product of systems, 1 of none; raise SpecError for a mixture."""
+    dt = _clock(systems)
+    num: Whole
+    den: Whole
+    num, den, unit, dead_time = wholes(systems[0]) if systems else ((1,), (1,), 1, 0.0)
+    for system in systems[1:]:
+        top, bottom, its_unit, wait = wholes(system)
+        num, den = whole.times(num, top), whole.times(den, bottom)
+        unit, dead_time = unit * its_unit, dead_time + wait
+    num = [0] * (len(den) - len(num)) + list(num)
+    factors = tuple([f for s in systems for f in _factors(s)])
+    return Product(num, den, unit, dt, dead_time, factors)
+
+
+def _clock(systems: tuple[System, ...]) -> float | None:
+    """Return the sample time that all have, None of continuous ones; refuse a mixture."""
+    first = systems[0] if systems else None
+    for system in systems:
+        if not isinstance(system, (Plant, Sampled)):
+            raise SpecError("L", "must be a zoh.Plant or zoh.Sampled", system, "make one first")
+        if type(system) is not type(first) or _dt(system) != _dt(first):
+            raise SpecError(
+                "dt",
+                f"must be the same throughout a loop ({_dt(first)!r} first)",
+                _dt(system),
+                "zoh.sample the plant with the controller's dt",
+            )
+    return _dt(first)
+
+
+def _dt(system: System | None) -> float | None:
+    return system.dt if isinstance(system, Sampled) else None
+
+
+def _factors(system: System) -> tuple[System, ...]:
+    return system.factors if isinstance(system, Sampled) else (system,)
+
+
+def wholes(system: System) -> tuple[Whole, Whole, int, float]:
+    """Return (num, den, unit, delay): whole numbers that are the coefficients times unit."""
+    if isinstance(system, Sampled):
+        return *system.whole_w, system.delay * system.dt
+    (num, den, sensor, one), unit = whole.of(system.num, system.den, (system.sensor,), (1.0,))
+    num, den = whole.times(num, sensor), whole.times(den, one)
+    return num, den, unit * unit, system.dead_time
+
+
+def out_of_range(coefficients: object) -> SpecError:
+    """Return the error of a loop whose gains leave the range of a float."""
+    return SpecError(
+        "L",
+        "must have gains that a 64-bit float can hold",
+        coefficients,
+        "use other units for the signals or for time",
+    )

@@ -1,0 +1,157 @@
+"""What is asked of many loops at once, a column each, and which of them floats can answer."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from zoh.batch.arrays import laws
+from zoh.batch.arrays.rows import Array, Mask
+from zoh.batch.columns import Columns, coefficients, column
+from zoh.batch.job import Job
+
+_ORDER = 6  # of the plant
+_GIVEN = 3  # of a controller that is given
+_TAKES = frozenset({"wc", "pm_deg", "ki", "dc_gain", "filter_pole"})
+_DELAYS = 4  # whole samples: each is a power in the loop and a state in its motion
+_FASTEST = 1.2  # |s| dt of a plant's poles: beyond it two crests in one sample are usual; below
+# they are rare, need three poles or more, and are seen: see ``turns``
+_LARGE = 1e20  # of a number, or its inverse: beyond it others' rounding says what it does
+_FAR = 1e12  # powers of |s| dt: further from 1 rounding leaves no digit of a pole near 0
+_SQUARINGS = 4  # of the poles: their sizes then differ by the 16th power, and a bound's 12 is 1.17
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Batch:
+    """Loops of one law, a column each.
+
+    num, den     the plant with its sensor, rows of ascending powers of s, equally many; the last
+                 row of den is 1
+    delay, lead  samples of dead time and compute delay: delay - lead, 0 <= lead < 1
+    asked        the law's parameters;  regular  what is within every bound
+    beyond       what is, but for a crossover that is not below Nyquist's frequency
+    """
+
+    num: Array
+    den: Array
+    dt: Array
+    delay: npt.NDArray[np.int64]
+    lead: Array
+    asked: dict[str, Array]
+    regular: Mask
+    beyond: Mask
+
+
+def lacks(job: Job) -> str:
+    """Return what of this job these arithmetics cannot do, "" where they can do all of it.
+
+    A plant that answers at once jumps within a sample, which is left to the single design.
+
+    >>> from zoh.lti.systems import Plant
+    >>> lacks(Job(plant=Plant(num=[1, 2], den=[1, 0]), law="p", asked={"wc": 1}, dt=0.1))
+    'a plant that is not strictly proper'
+    """
+    num, den = coefficients(job, {}, 1)
+    if len(num) >= len(den):
+        return "a plant that is not strictly proper"
+    if len(den) > _ORDER + 1:
+        return f"a plant of order {len(den) - 1}, above {_ORDER}"
+    if job.sections:
+        return "sections"
+    if job.controller is not None:
+        order = len(job.controller.den_w) - 1
+        if job.controller.delay:
+            return "a controller with a delay of its own"
+        return f"a controller of order {order}, above {_GIVEN}" if order > _GIVEN else ""
+    if job.law not in laws.LAWS:
+        return f"the law {job.law}"
+    asked = {*job.asked, *(key for key in job.varying if key in job.law_keys)}
+    missing, more = {"wc", "pm_deg"} - asked, asked - _TAKES
+    if missing:
+        return f"a {job.law} without {', '.join(sorted(missing))}"
+    return ", ".join(sorted(more))
+
+
+@np.errstate(all="ignore")  # here, too: a thread of its own has not its caller's
+def batch(job: Job, columns: Columns, n: int) -> Batch:
+    """Return what is asked of n loops."""
+    num, den = coefficients(job, columns, n)
+    dt = column(job, columns, "dt", n)
+    late = column(job, columns, "dead_time", n) + column(job, columns, "compute_delay", n)
+    asked = {
+        key: column(job, columns, key, n)
+        for key in job.law_keys
+        if key in job.asked or key in columns
+    }
+    regular = (dt > 0) & (late >= 0) & (den[0] != 0) & np.any(num != 0, axis=0)
+    for values in asked.values():
+        regular &= values > 0
+    beyond = np.zeros(n, bool)
+    num, den = num[::-1] * (job.plant.sensor / den[0]), den[::-1] / den[0]
+    regular &= _ordinary(job, num, den, dt, asked)
+    if "pm_deg" in asked:
+        beyond = regular & ~(asked["wc"] * dt < np.pi)
+        regular &= (asked["pm_deg"] < 180) & ~beyond
+    ratio = late / dt
+    whole = np.abs(ratio - np.round(ratio)) <= 8 * np.spacing(ratio)
+    delay = np.where(whole, np.round(ratio), np.ceil(ratio))
+    regular &= delay <= _DELAYS
+    lead = np.where(whole, 0.0, (delay * dt - late) / dt)
+    num = np.concatenate([num, np.zeros((len(den) - len(num), n))])
+    regular &= _turns_once(den) | (_fastest(den, dt) <= _FASTEST)
+    return Batch(
+        num=num, den=den, dt=dt, delay=np.where(regular, delay, 0).astype(np.int64), lead=lead,
+        asked=asked, regular=regular, beyond=beyond,
+    )  # fmt: skip
+
+
+def _ordinary(job: Job, num: Array, den: Array, dt: Array, asked: Mapping[str, Array]) -> Mask:
+    """Return whether no power or product of a loop's numbers comes near the end of a float."""
+    given = [job.reference]
+    if job.controller is not None:
+        given += [*job.controller.num_w, *job.controller.den_w]
+    sizes = np.abs(np.vstack([num, den, dt, *asked.values()]))
+    within = (sizes == 0) | ((sizes >= 1 / _LARGE) & (sizes <= _LARGE))
+    rates = np.abs(den[::-1]) * dt ** np.arange(float(len(den)))[:, None]
+    constant = all(x == 0 or 1 / _LARGE <= abs(x) <= _LARGE for x in given)
+    return np.asarray(constant & within.all(axis=0) & (rates <= _FAR).all(axis=0))
+
+
+def _turns_once(den: Array) -> Mask:
+    """Return whether under a held input the output turns once at most, however long it is held.
+
+    Its slope is a sum of as many exponentials as there are poles: where two are real, of two.
+    Source: G. Polya, G. Szego, Problems and Theorems in Analysis, vol. 2, part 5, no. 75 (the zeros
+    of a sum of real exponentials are fewer than its terms).
+    """
+    order = len(den) - 1
+    if order == 2:
+        return np.asarray(den[1] ** 2 >= 4 * den[0])
+    return np.full(den.shape[1], order < 2)
+
+
+def _fastest(den: Array, dt: Array) -> Array:
+    """Return bounds of the poles' |s| dt, 1.17 times the truth at most where that matters.
+
+    den  monic, ascending powers of s
+    Source: M. Fujiwara, Tohoku Math. J. 10 (1916), the bound; P. Henrici, Applied and Computational
+    Complex Analysis, vol. 1, sec. 6.7 (Graeffe's squaring of the roots).
+    """
+    a = den[::-1] * dt ** np.arange(float(len(den)))[:, None]
+    bound = _fujiwara(a)
+    if np.all(bound <= _FASTEST):
+        return bound
+    n = len(a) - 1
+    for _ in range(_SQUARINGS):
+        squared = a * a
+        for j in range(n + 1):
+            for i in range(1, min(j, n - j) + 1):
+                squared[j] += (-1) ** i * 2 * a[j - i] * a[j + i]
+        a = squared
+    return np.asarray(np.minimum(bound, _fujiwara(a) ** (1 / 2**_SQUARINGS)))
+
+
+def _fujiwara(a: Array) -> Array:
+    bounds = [np.abs(row) ** (1 / k) for k, row in enumerate(a) if k]
+    return np.asarray(2 * np.max(bounds, axis=0)) if bounds else np.zeros(a.shape[1])
