@@ -130,3 +130,23 @@ def test_a_mode_that_outgrows_every_float_is_refused_before_it_is_followed():
     # -1e-6 s^3 + 3 s^2 + 2 s grows by exp(3e6 dt): a million bits would be needed to say so
     with pytest.raises(SpecError, match=r"within a float's range, got 0\.1: sample faster"):
         sample(Plant(num=[1], den=[-1e-6, 3, 2, 0]), 0.1)
+
+
+@pytest.mark.parametrize("den", [[1.0, 1e-300, 0.0], [1e100, 1e-200, 0.0], [1.0, 1e-30, 0.0]])
+def test_a_pole_all_but_at_zero_leaves_its_trace(den):
+    """K/(s (s + a)), a dt next to nothing: b = K (dt^2/2 - a dt^3/6, dt^2/2 - a dt^3/3) in z.
+
+    Of w^2 that leaves (b_2 - b_1)/4 = -K a dt^3/24, to first order in a dt.
+    """
+    dt, a = 0.125, den[1] / den[0]
+    held = sample(Plant(num=[3.0 * den[0]], den=den), dt)
+    assert held.num == pytest.approx((3 * dt**2 / 2, 3 * dt**2 / 2), rel=1e-15)
+    assert held.num_w[0] == pytest.approx(-3 * a * dt**3 / 24, rel=1e-14)
+
+
+def test_a_pole_that_is_no_float_is_at_zero():
+    """1e-300/1e100 is below every float: what is held is 1/s^2."""
+    dt = 0.125
+    held = sample(Plant(num=[1e100], den=[1e100, 1e-300, 0.0]), dt)
+    assert (held.num, held.den) == ((dt**2 / 2, dt**2 / 2), (1.0, -2.0, 1.0))
+    assert held.num_w == (0.0, -dt / 2, 1.0)

@@ -193,7 +193,7 @@ class FixedResponse:
         last = n - plant.zeros_at_one
         return InDelta(
             num=[*num[: last + 1], *[0] * plant.zeros_at_one], den=den, num_error=num_error,
-            den_error=den_error, first=0 if lead[0] else plant.late, last=last,
+            den_error=den_error, first=0 if lead[0] else min(plant.late, 1), last=last,
             at_one=n - plant.moving, scale=scale, gain=plant.gain, bits=bits,
         )  # fmt: skip
 
