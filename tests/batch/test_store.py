@@ -106,6 +106,17 @@ def test_damage_is_told_in_one_line_and_mended_to_the_same_bits(whole, tmp_path,
         assert contents(path) == contents(whole[0])
 
 
+def test_no_block_passes_for_another(whole, tmp_path):
+    """Block 0 copied over block 1, row and columns: its loops would be counted twice."""
+    path = tmp_path / "a.zarr"
+    shutil.copytree(whole[0], path)
+    for place in ("blocks/c/{}/0", *(f"{name}/c/{{}}" for name in KEPT)):
+        shutil.copyfile(path / place.format(0), path / place.format(1))
+    refused(path, "blocks/c/1/0")
+    assert swept(path) == whole[1]
+    assert contents(path) == contents(whole[0])
+
+
 def test_a_block_of_nothing_has_no_file_and_is_whole(tmp_path):
     """Zarr writes no chunk of fill values alone; that one of these is missing is no damage."""
     path = tmp_path / "a.zarr"

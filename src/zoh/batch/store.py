@@ -5,7 +5,8 @@
     blocks/c/K/0      its row: the block's summary, the seals of its columns, and the row's own
 
 A seal is the CRC-32 of a file's bytes, -1 where there is none: Zarr writes no chunk that holds
-nothing but its fill value, and reads one that was lost as if it had been so. Rows are kept as plain
+nothing but its fill value, and reads one that was lost as if it had been so. A row's own seal is
+begun with the block's number, so that no block passes for another. Rows are kept as plain
 little-endian floats, which need no decoder that damage could bring down.
 """
 
@@ -141,7 +142,7 @@ def close(path: str, number: int, keep: Sequence[str], summary: Row) -> None:
     """Write the row of a block whose columns are there."""
     seals = [seal(Path(path) / _chunk(name, number)) for name in keep]
     contents = np.array([*summary, *seals], _FLOAT).tobytes()
-    own = np.array([crc32(contents)], _FLOAT).tobytes()
+    own = np.array([crc32(contents, number)], _FLOAT).tobytes()
     put(Path(path) / _row_place(number), contents + own)
 
 
@@ -187,12 +188,12 @@ def _row(path: str, number: int, keep: Sequence[str]) -> Row | None:
     """Return a block's row, None where it is not there or not as it was written."""
     try:
         contents = (Path(path) / _row_place(number)).read_bytes()
-    except (FileNotFoundError, NotADirectoryError):
+    except OSError:
         return None
     if len(contents) != 8 * (WIDTH + len(keep) + 1):
         return None
     row = np.frombuffer(contents, _FLOAT).astype(np.float64)
-    return row if row[-1] == crc32(contents[:-8]) else None
+    return row if row[-1] == crc32(contents[:-8], number) else None
 
 
 def _seals(row: Row, number: int, keep: Sequence[str]) -> dict[str, int]:
