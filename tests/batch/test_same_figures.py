@@ -4,6 +4,8 @@ The single design measures by other code, in exact arithmetic where it counts; i
 held to 50 digits by its own tests.
 """
 
+from dataclasses import fields
+
 import numpy as np
 import pytest
 from benchmarks.sweep import equal
@@ -109,6 +111,36 @@ def test_what_is_out_of_range_is_malformed_and_the_rest_is_not_disturbed():
     names = [Reason(r).name for r in found["reason"]]
     assert names == ["OK", "MALFORMED", "MALFORMED", "BEYOND_NYQUIST"]
     assert found["phase_margin_deg"][0] == pytest.approx(40, abs=1e-9)
+
+
+SERVO = zoh.Joint(
+    torque_constant=0.0302, resistance=0.299, motor_inertia=1.42e-5, load_inertia=1e-3,
+    motor_damping=1e-6, load_damping=1e-4, gear_ratio=26.0, inductance=1e-4, back_emf=0.0302,
+    output="rad/s",
+)  # fmt: skip
+BEYOND = [(f.name, -1e-3) for f in fields(zoh.Joint) if f.name != "output"] + [
+    (name, 0.0) for name in ("torque_constant", "resistance", "gear_ratio")
+]
+
+
+@pytest.mark.parametrize("way", ["single", "arrays", "compiled"])
+def test_a_motor_that_cannot_be_is_malformed(way):
+    """Its bounds are those that ``Joint`` tells its users, each here with a number beyond it."""
+    if way == "compiled":
+        pytest.importorskip("numba", reason="the compiled arithmetic needs numba: zoh[fast]")
+    standing = {f.name: getattr(SERVO, f.name) for f in fields(zoh.Joint) if f.name != "output"}
+    rows = [{}, {"load_damping": 0.0}, {"motor_inertia": 0.0}, *({n: x} for n, x in BEYOND)]
+    rows.append({"motor_inertia": 0.0, "load_inertia": 0.0})
+    columns = {
+        f"plant.joint.{name}": np.array([row.get(name, x) for row in rows])
+        for name, x in standing.items()
+    }
+    job = Job(
+        plant=zoh.Geared(joint=SERVO), law="given", dt=1e-3, varying=tuple(columns),
+        controller=zoh.Sampled(num=[1.0], den=[1], dt=1e-3),
+    )  # fmt: skip
+    names = [Reason(code).name for code in computed(job, columns, way)["reason"]]
+    assert names == ["OK"] * 3 + ["MALFORMED"] * (len(BEYOND) + 1)
 
 
 FAR = [5e-324, 1e-200, 1e-60, 1e-25, 1e-12, 1e12, 1e25, 1e60, 1e200, 1.7e308, 0.0, -1.0, -1e200]

@@ -21,7 +21,7 @@ import numpy.typing as npt
 from zoh.errors import SpecError
 from zoh.lti import digits
 from zoh.lti.given import paired
-from zoh.lti.joint import Joint, joint_plant
+from zoh.lti.joint import Joint, joint_plant, possible
 from zoh.lti.systems import Plant
 
 FloatArray = npt.NDArray[np.float64]
@@ -137,7 +137,7 @@ def coefficients(
     """Return num and den of n plants in floats, shapes (m + 1, n) and (d + 1, n).
 
     Descending powers of s, without the sensor; ``columns`` are what varies of the plant. They are
-    those of ``plant_of`` but for a few roundings.
+    those of ``plant_of`` but for a few roundings; num is NaN where a joint is out of its bounds.
     """
     if isinstance(source, Geared):
         return _of_joint(source, columns, n)
@@ -189,7 +189,8 @@ def _of_joint(
     if not source.joint.output.endswith("/s"):
         den.append(np.zeros(n))
     unit = degrees(1) if source.joint.output.startswith("deg") else 1.0
-    return np.array([c["torque_constant"] * unit / turns]), np.array(den)
+    num = np.where(possible(c), c["torque_constant"] * unit / turns, np.nan)
+    return num[None], np.array(den)
 
 
 def checked(source: object) -> Source:

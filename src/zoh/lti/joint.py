@@ -13,9 +13,14 @@ on actuator dynamics (permanent-magnet DC motor and gear train); without a gear 
 of the Control Tutorials for MATLAB and Simulink, University of Michigan, "DC Motor Speed".
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from fractions import Fraction
 from math import degrees
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
 
 from zoh import checks
 from zoh.errors import SpecError
@@ -65,10 +70,28 @@ class Joint:
             raise SpecError(
                 "output", f"must be one of {', '.join(OUTPUTS)}", self.output, "choose one"
             )
-        if self.motor_inertia + self.load_inertia == 0:
+        if not _has_mass(self.motor_inertia, self.load_inertia):
             raise SpecError(
                 "motor_inertia", "and load_inertia must not both be 0", 0.0, "give either"
             )
+
+
+def possible(constants: Mapping[str, npt.NDArray[np.float64]]) -> npt.NDArray[np.bool_]:
+    """Return which of many joints, their constants in columns by name, ``Joint`` would accept.
+
+    >>> ones = {f.name: np.ones(2) for f in fields(Joint) if f.name != "output"}
+    >>> possible({**ones, "load_damping": np.array([0.0, -1.0])}).tolist()
+    [True, False]
+    """
+    found: npt.NDArray[np.bool_]
+    found = _has_mass(constants["motor_inertia"], constants["load_inertia"])
+    for name, column in constants.items():
+        found = found & (column > 0 if name in _ABOVE_ZERO else column >= 0)
+    return found
+
+
+def _has_mass(motor: Any, load: Any) -> Any:
+    return motor + load > 0
 
 
 def joint_plant(joint: Joint, *, dead_time: float = 0.0, sensor: float = 1.0) -> Plant:
