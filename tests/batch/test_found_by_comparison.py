@@ -252,6 +252,27 @@ def test_what_cannot_be_held_is_left_and_never_called_infeasible():
     )  # fmt: skip
 
 
+@pytest.mark.parametrize("varied", ["plant.gain", "plant.num.1"])
+def test_a_response_that_dies_out_settles_to_nothing(varied):
+    # a zero at s = 0: the loop is run sample by sample, y = 2 (2 x_2 - x_1)
+    plant = zoh.Plant(num=[2.0, 0.0], den=[1, 3, 2])
+    controller = zoh.Sampled(num=[0.1], den=[1], dt=0.1)
+    job = Job(plant=plant, law="given", controller=controller, dt=0.1, varying=(varied,))
+    with mpmath.workdps(30):
+        step = mpmath.mpf(1) / 10
+        slow, fast_ = mpmath.exp(-step), mpmath.exp(-2 * step)
+        x, ys = [mpmath.mpf(0)] * 2, []
+        for _ in range(100):
+            ys.append(2 * (2 * x[1] - x[0]))  # of s/((s + 1)(s + 2)) = 2/(s + 2) - 1/(s + 1)
+            u = step * (1 - ys[-1])
+            x = [slow * x[0] + (1 - slow) * u, fast_ * x[1] + (1 - fast_) / 2 * u]
+    for found in fast(job, {varied: np.array([2.0 if varied == "plant.gain" else 0.0])}):
+        assert found["peak"][0] == pytest.approx(float(max(ys)), rel=1e-12)
+        assert found["steady_state_error"][0] == 1.0
+        for name in ("overshoot_pct", "rise_time", "settling_time", "between.overshoot_pct"):
+            assert np.isnan(found[name][0]), name
+
+
 def test_a_bend_is_bounded_by_hand():
     # 1/s^3 under an input u moves y'' by u t: over 1/2 it is x_2 + u/2 at most
     span, one = np.array([1.0, 0.5]), np.ones(2)

@@ -84,7 +84,8 @@ def batch(job: Job, columns: Columns, n: int) -> Batch:
         for key in job.law_keys
         if key in job.asked or key in columns
     }
-    regular = (dt > 0) & (late >= 0) & (den[0] != 0) & np.any(num != 0, axis=0)
+    regular = (dt > 0) & (late >= 0) & (den[0] != 0)
+    regular &= num[-1] != 0  # a zero at s = 0: what is left of a final value of 0 is rounding
     for values in asked.values():
         regular &= values > 0
     beyond = np.zeros(n, bool)
