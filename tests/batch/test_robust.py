@@ -43,6 +43,27 @@ def test_the_controller_is_the_best_of_all_by_its_worst_plant():
     assert found.sweep.yield_() == 1.0
 
 
+def test_the_plant_as_it_stands_is_judged_like_those_of_the_set():
+    given = {"wc": [1.0, 1.5, 2.0, 3.0], "pm_deg": [40, 50, 60, 70]}
+    asked = zoh.Requirements(overshoot_pct=20, settling_time=5)
+    damped = [zoh.Plant(num=[2.3], den=[1, a, 0], sensor=12 / 180) for a in (2.0, 3.0)]
+    worst = {}
+    for wc in given["wc"]:
+        for pm in given["pm_deg"]:
+            try:
+                controller = zoh.pd(ARM, dt=0.1, wc=wc, pm_deg=pm).controller
+                each = [zoh.verify(p, controller, requirements=asked) for p in (ARM, *damped)]
+            except (zoh.NotMet, zoh.Infeasible):
+                continue
+            worst[wc, pm] = max(d.margins.ms for d in each)
+    assert (2.0, 60) in worst
+    found = zoh.robust(
+        ARM, "pd", given, dt=0.1, over={"plant.den.1": [2.0, 3.0]}, requirements=asked
+    )
+    assert (found.asked["wc"], found.asked["pm_deg"]) == min(worst, key=lambda at: worst[at])
+    assert found.design.met
+
+
 def test_what_no_controller_keeps_is_refused_with_the_plants_that_miss_it():
     hard = zoh.Requirements(ms=1.05)
     with pytest.raises(zoh.NotMet) as refused:

@@ -2,7 +2,7 @@
 
 Controllers are designed on the plant as it stands, one for each combination of what is given,
 and each is measured, as it is, on every plant of the set. The one taken keeps every requirement
-on every plant, and of those it has the least worst Ms.
+on every plant and as it stands, and of those it has the least worst Ms on all of them.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -13,6 +13,7 @@ from math import inf
 import numpy as np
 
 from zoh import checks
+from zoh.analysis.asked import missed
 from zoh.analysis.verify import NOTHING_ASKED, Measured, Verified
 from zoh.batch import backend, bounds
 from zoh.batch.blocks import computed
@@ -62,7 +63,7 @@ def robust(
     requirements: Requirements = NOTHING_ASKED, reference: float = 1.0,
     arithmetic: str | None = None,
 ) -> Robust:  # fmt: skip
-    """Return the controller whose worst Ms over a set of plants is least.
+    """Return the controller whose worst Ms over a set of plants, and as it stands, is least.
 
     given         the law's parameters; one that is a list is tried with each of its values
     over          the set: what varies of the plant, its dead time and the compute delay, as for
@@ -100,10 +101,9 @@ def robust(
     if not found:
         bound = "must have a combination that can be designed on the plant as it stands"
         raise SpecError("given", bound, dict(given), f"zoh.{law} says why it cannot")
-    asked, evidence, over_set = min(found, key=lambda one: _rank(one[2]))
-    missed = _misses(over_set)
-    if missed:
-        raise NotMet(missed, evidence)
+    asked, evidence, over_set = min(found, key=lambda one: _rank(*one[1:]))
+    if misses := _misses(over_set):
+        raise NotMet(misses, evidence)
     verified = made(asked, requirements=requirements)
     return Robust(design=verified, asked=asked, sweep=over_set, tried=len(combinations))
 
@@ -168,11 +168,13 @@ def _over(
     )  # fmt: skip
 
 
-def _rank(found: Sweep) -> tuple[int, float]:
+def _rank(standing: Measured, found: Sweep) -> tuple[int, float]:
     """Return what is least for the best controller: plants that miss something, then worst Ms."""
     kept = bounds.met(found.requirements, found.results)
-    worst = found.worst("ms").value
-    return int(np.count_nonzero(~kept)), inf if worst is None else worst
+    here = missed(found.requirements, standing.margins, standing.step)
+    worst = [found.worst("ms").value, standing.margins.ms]
+    most = max(inf if ms is None else ms for ms in worst)
+    return int(np.count_nonzero(~kept)) + bool(here), most
 
 
 def _misses(found: Sweep) -> tuple[str, ...]:
@@ -189,5 +191,5 @@ def _miss(found: Sweep, i: int) -> str:
     if reason is not Reason.OK:
         return f"at {at} {reason.words}"
     wanted = bounds.asked(found.requirements)
-    missed = [name for name, bound in wanted.items() if not bounds.keeps(name, bound, row)[0]]
-    return f"at {at} " + "; ".join(bounds.sentence(name, wanted[name], row) for name in missed)
+    broken = [name for name, bound in wanted.items() if not bounds.keeps(name, bound, row)[0]]
+    return f"at {at} " + "; ".join(bounds.sentence(name, wanted[name], row) for name in broken)
