@@ -1,5 +1,6 @@
 """The questions that are asked of a sweep, answered as a loop over single designs would."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -235,6 +236,24 @@ def test_a_controller_that_is_given_stays_as_it_is_at_another_sample_time():
     found = zoh.sweep(ARM, "given", controller=d.controller, over={"dt": [0.1, 0.05]})
     again = zoh.Sampled(num=d.controller.num, den=d.controller.den, dt=0.05)
     assert found["ms"].tolist() == [d.margins.ms, zoh.verify(ARM, again).margins.ms]
+
+
+def test_a_file_says_the_controller_and_the_sections(tmp_path):
+    xarray = pytest.importorskip("xarray")
+    controller = zoh.Sampled(num=[3.0, -2.9], den=[1, -0.9], dt=0.1)
+    given = zoh.sweep(ARM, "given", controller=controller, over={"plant.gain": [2.0, 2.3]})
+    given.to_netcdf(str(tmp_path / "a.nc"))
+    with xarray.open_dataset(tmp_path / "a.nc", engine="h5netcdf") as opened:
+        about = opened.attrs
+    assert json.loads(about["controller"]) == {"num": [3.0, -2.9], "den": [1.0, -0.9], "dt": 0.1}
+    assert json.loads(about["sections"]) == []
+    notch = zoh.notch(w0=9)
+    designed = zoh.sweep(
+        ARM, "pd", {"wc": 2.0, "pm_deg": 50}, dt=0.1, over={"plant.gain": [2.3]}, sections=[notch]
+    )
+    about = designed.dataset.attrs
+    assert json.loads(about["controller"]) is None
+    assert [zoh.SecondOrder(**each) for each in json.loads(about["sections"])] == [notch]
 
 
 def test_a_sample_time_that_varies_is_each_row_s_own():

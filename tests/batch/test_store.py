@@ -1,6 +1,7 @@
 """Every file of a store, lost, cut or garbled: told in one line, mended by the same sweep."""
 
 import shutil
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -196,14 +197,18 @@ OTHERS = [
     ({"dt": 0.2}, {}, "its dt is 0.1, not 0.2"),
     ({"compute_delay": 0.01}, {}, "its compute_delay is 0.0, not 0.01"),
     ({"reference": 2.0}, {}, "its reference is 1.0, not 2.0"),
-    ({"sections": [zoh.notch(w0=9.0)]}, {}, "its sections is (), not (SecondOrder"),
+    ({"sections": [zoh.notch(w0=9.0)]}, {}, 'its sections is [], not [{"zeros_w0": 9.0,'),
     ({}, {"over": space(11)}, "its over is "),
     ({}, {"over": Rows(values=space().columns(0, 10))}, "not Rows of 10 of wc, 10 of plant.gain"),
     ({}, {"requirements": zoh.Requirements(ms=2)}, "its requirements is {}, not {'ms': 2.0}"),
     ({}, {"keep": ["ms"]}, """its keep is ["wc", "ms", "stable", "reason"], not ["ms"]"""),
     ({}, {"block": 5}, "its block is 4, not 5"),
     ({}, {"arithmetic": "arrays"}, "its arithmetic is single, not arrays"),
-]
+    pytest.param(
+        {}, {"arithmetic": "compiled"}, "its arithmetic is single, not compiled, got",
+        marks=pytest.mark.skipif(not find_spec("numba"), reason="compiled needs numba"),
+    ),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("of_job", "of_sweep", "said"), OTHERS)

@@ -4,6 +4,8 @@ Attributes follow the CF conventions (cfconventions.org): ``units``, ``long_name
 reasons ``flag_values`` and ``flag_meanings``.
 """
 
+import json
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -40,11 +42,15 @@ def attributes(name: str, plant: Source) -> dict[str, Any]:
 
 
 def described(job: Job) -> dict[str, str]:
-    """Return what a sweep is of, for the attributes of a file."""
+    """Return what a sweep is of, for the attributes of a file; controller and sections as JSON."""
+    given = job.controller
+    controller = None if given is None else {"num": given.num, "den": given.den, "dt": given.dt}
+    sections = [{name: float(x) for name, x in asdict(s).items()} for s in job.sections]
     return {
         "source": f"zoh {zoh.__version__}", "plant": repr(job.plant), "law": job.law,
         "asked": repr(dict(job.asked)), "dt": repr(job.dt),
         "compute_delay": repr(job.compute_delay), "reference": repr(job.reference),
+        "controller": json.dumps(controller), "sections": json.dumps(sections),
     }  # fmt: skip
 
 

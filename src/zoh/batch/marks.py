@@ -24,8 +24,7 @@ def mark(plan: Plan, keep: Sequence[str], requirements: Requirements) -> dict[st
     job = plan.job
     digits = repr(job.plant.exact) if isinstance(job.plant, Plant) else ""
     return {
-        "versions": versions(plan.arithmetic), "arithmetic": plan.arithmetic,
-        "controller": repr(job.controller), "sections": repr(job.sections),
+        "arithmetic": plan.arithmetic, "versions": versions(plan.arithmetic),
         "varying": list(job.varying), "over": _said(plan.space), "loops": plan.loops,
         "requirements": repr(bounds.asked(requirements)), "keep": list(keep), "block": plan.block,
         "plant_digits": sha256(digits.encode()).hexdigest(),
@@ -47,12 +46,16 @@ def difference(theirs: Mapping[str, Any], ours: Mapping[str, Any]) -> str:
 
 
 def _apart(old: object, new: object) -> list[str]:
-    """Return both as short texts that begin a little before they differ.
+    """Return both whole where they are short, or from a little before they differ.
 
-    >>> _apart("the quick brown fox jumps", "the quick brown fox jumped")
+    >>> _apart("numpy 2.1.0", "numpy 2.2.0")
+    ['numpy 2.1.0', 'numpy 2.2.0']
+    >>> _apart("a" * 50 + "the quick brown fox jumps", "a" * 50 + "the quick brown fox jumped")
     ['... brown fox jumps', '... brown fox jumped']
     """
     texts = [value if isinstance(value, str) else json.dumps(value) for value in (old, new)]
+    if all(len(text) <= _LONGEST for text in texts):
+        return texts
     alike = takewhile(lambda pair: pair[0] == pair[1], zip(*texts, strict=False))
     start = max(0, sum(1 for _ in alike) - _BEFORE)
     cut = [("..." if start else "") + text[start:] for text in texts]
