@@ -122,6 +122,27 @@ def test_draws_are_never_at_an_end():
 
 
 @pytest.mark.parametrize(
+    ("wide", "argument"),
+    [
+        (lambda: Uniform(low=-1.5e308, high=1.5e308), "high"),
+        (lambda: LogUniform(low=1e-300, high=1e300), "high"),
+        (lambda: Normal(mean=1.7e308, sd=1e308), "sd"),
+    ],
+)
+def test_a_spread_whose_draws_are_beyond_a_float_is_refused(wide, argument):
+    with pytest.raises(zoh.SpecError, match=r"must leave every draw of .* a float, got") as refused:
+        wide()
+    assert refused.value.argument == argument
+    assert "\n" not in str(refused.value)
+
+
+def test_a_spread_as_wide_as_a_float_allows_is_drawn():
+    x = sample(Uniform(low=-8e307, high=8e307))
+    assert np.isfinite(x).all()
+    assert x.min() < -7.9e307 < 7.9e307 < x.max()
+
+
+@pytest.mark.parametrize(
     "wrong",
     [
         lambda: Grid(axes={}),

@@ -16,6 +16,8 @@ from zoh.errors import SpecError
 
 FloatArray = npt.NDArray[np.float64]
 
+_FURTHEST = np.array([2.0**-106, 1 - 2.0**-53])  # of a Latin hypercube of 2^53 loops
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Uniform:
@@ -70,6 +72,7 @@ class Normal:
     def __post_init__(self) -> None:
         object.__setattr__(self, "mean", checks.number("mean", self.mean))
         object.__setattr__(self, "sd", checks.positive("sd", self.sd))
+        _check_draws(self, "sd")
 
     def at(self, u: FloatArray) -> FloatArray:
         """Return the values below which a share u of all lies."""
@@ -123,8 +126,18 @@ def _ratio(parts: tuple[tuple[float, ...], tuple[float, ...]], x: FloatArray) ->
     return found
 
 
+def _check_draws(spread: Spread, name: str) -> None:
+    """Raise SpecError, of this argument, where the furthest draws are beyond a float."""
+    with np.errstate(all="ignore"):
+        finite = np.isfinite(spread.at(_FURTHEST)).all()
+    if not finite:
+        value, way_out = getattr(spread, name), "give a narrower spread"
+        raise SpecError(name, f"must leave every draw of {spread} a float", value, way_out)
+
+
 def _check_ends(spread: "Uniform | LogUniform", check: Callable[[str, object], float]) -> None:
     for name in ("low", "high"):
         object.__setattr__(spread, name, check(name, getattr(spread, name)))
     if not spread.low < spread.high:
         raise SpecError("high", f"must be above low = {spread.low!r}", spread.high, "swap the two")
+    _check_draws(spread, "high")
