@@ -1,5 +1,6 @@
 """Loops on which an arithmetic once differed from the single design: each by another road, too."""
 
+from fractions import Fraction
 from importlib.util import find_spec
 
 import mpmath
@@ -271,6 +272,20 @@ def test_a_response_that_dies_out_settles_to_nothing(varied):
         assert found["steady_state_error"][0] == 1.0
         for name in ("overshoot_pct", "rise_time", "settling_time", "between.overshoot_pct"):
             assert np.isnan(found[name][0]), name
+
+
+@pytest.mark.parametrize("left", [0.0, -1e-12, 1e-12])
+def test_a_final_value_of_next_to_nothing_has_no_time_to_it(left):
+    # 0.3 - 0.1 - 0.2 is -2.8e-17 in floats: the loop moves by 0.03, and rests 1e-11 of it or less
+    controller = zoh.Sampled(num=[0.3, -0.1, -0.2 + left], den=[1, -0.9, 0.1], dt=0.1)
+    plant = zoh.Plant(num=[1.0], den=[1, 3, 2])
+    job = Job(plant=plant, law="given", controller=controller, dt=0.1, varying=("plant.gain",))
+    for found in fast(job, {"plant.gain": np.array([0.5])}):
+        # L(1), which is y at rest but for its square
+        at_rest = sum(map(Fraction, controller.num)) / sum(map(Fraction, controller.den)) / 4
+        assert found["steady_state_error"][0] == pytest.approx(1 - float(at_rest), rel=1e-15)
+        assert np.isnan(found["settling_time"][0])
+        assert not found["rise_time"][0] < 0
 
 
 def test_a_bend_is_bounded_by_hand():

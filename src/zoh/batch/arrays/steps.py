@@ -20,7 +20,7 @@ from zoh.batch.arrays.modes import Modes
 from zoh.batch.arrays.motion import Motion
 from zoh.batch.arrays.rows import Array, Complex, Index, Mask, joined, only, taken
 from zoh.batch.arrays.turns import Turns
-from zoh.batch.tolerances import BAND, LEVELS, MOST, NOTHING, TURN
+from zoh.batch.tolerances import BAND, FAINT, LEVELS, MOST, NOTHING, TURN
 
 _BLOCK = 16  # samples between two looks at which loops are done
 _PLACES = np.arange(1, _BLOCK + 1, dtype=np.int8)  # small numbers, which are quickly compared
@@ -54,7 +54,7 @@ def step_metrics(
         "peak_time": np.where(over > NOTHING, seen.k_top * dt, np.nan),
         "steady_state_error": (1 - motion.final) * reference,
         "peak_effort": np.maximum(most, -least) * reach,
-    }, doubt | ~known | (size == 0)
+    }, doubt | ~known | (size < FAINT)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -51,7 +51,7 @@ from zoh.batch.compiled.track import (
     twice,
 )
 from zoh.batch.compiled.turns import suspected
-from zoh.batch.tolerances import BAND, LEVELS, LOST, MOST, NEAR, NOTHING, QUIET, TURN
+from zoh.batch.tolerances import BAND, FAINT, LEVELS, LOST, MOST, NEAR, NOTHING, QUIET, TURN
 
 _CLOSE = 4.0 * BLOCK  # samples looked at one by one at least: what is met there costs the least
 
@@ -66,7 +66,7 @@ def step_metrics(
     final, at_rest = m.numbers[0], m.numbers[1]
     sign = -1.0 if final < 0.0 else 1.0
     full = abs(final)
-    if not 0.0 < full < inf:
+    if not FAINT <= full < inf:
         return True
     begin(w, size)
     slowest = max(slowest, 1e-14)
