@@ -7,12 +7,14 @@ slope of the gain or of the phase there, and |1 + L| by rho |L|. First order, an
 Source: that of ``rounding``, which asks the same of given z-coefficients.
 """
 
-from collections.abc import Sequence
-from math import degrees, inf
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from math import copysign, degrees, inf, sqrt
 
 from zoh.analysis.axis import scalar, terms
 from zoh.analysis.loop import Loop
 from zoh.analysis.results import Margins
+from zoh.lti import poly
 from zoh.lti.poly import Poly
 from zoh.lti.wplane import warp
 
@@ -20,7 +22,16 @@ _SAID = 1e-6  # deg, and relative: what is off by less is not worth a word
 _ASKED = 5e-10  # deg, and relative: more digits are taken where a figure is off by more
 _LOST = 1e-5  # by more of itself L is off only in the middle of a mode
 _LEAST = 2.0**-53  # of its terms: no float of a polynomial tells less from 0
+_BESIDE = 1e-6  # of its terms: by less a polynomial is beside a root next to the axis
 _END = 1e9  # v dt; beyond it is the end of the axis, where L is real whatever it is
+
+
+def next_to_the_axis(loop: Loop) -> list[float]:
+    """Return v of the zeros and poles with next to no damping of what a hold made.
+
+    Rounding may split two that are close to each other and lose, or make up, a crossing there.
+    """
+    return [v for s in loop.made for a in (s.num_w, s.den_w) for v in _undamped(a)]
 
 
 def is_blurred(loop: Loop, found: Margins, near: Sequence[float]) -> bool:
@@ -54,6 +65,42 @@ def blurs(loop: Loop, found: Margins) -> tuple[str, ...]:
         return ()
     reason = "a zero or a pole next to the axis is beside it"
     return (f"by the rounding of coefficients in w {', '.join(said)}: {reason}",)
+
+
+@lru_cache(maxsize=64)
+def _undamped(a: Poly) -> tuple[float, ...]:
+    """Return every v > 0 beside which a has a root next to the axis.
+
+    At a root j v of a both its even and its odd part are 0; the larger of the two tells v.
+
+    >>> _undamped((1.0, 1e-9, 4.0)), _undamped((1.0, 0.1, 4.0))
+    ((2.0,), ())
+    """
+    while len(a) > 1 and not a[-1]:  # a root at 0 is exact
+        a = a[:-1]
+    if len(a) < 3:
+        return ()
+    n = len(a) - 1
+    places = [sqrt(-x) for part in (a[n % 2 :: 2], a[1 - n % 2 :: 2]) for x in _roots(part)]
+    return tuple([v for v in places if abs(scalar(a, v)) < _BESIDE * terms(a, v)])
+
+
+def _roots(a: Poly) -> Iterator[float]:
+    """Yield the real parts of the roots of a that are below 0: a double one may come out complex.
+
+    >>> list(_roots((1.0, 3.0, 2.0))), list(_roots((1.0, 2.0, 1.0 + 2.0**-52)))
+    ([-2.0, -1.0], [-1.0])
+    """
+    a = poly.trim(a)
+    if len(a) > 3:
+        found = poly.roots(a).real.tolist()
+    elif len(a) == 3:
+        inside = a[1] * a[1] - 4 * a[0] * a[2]
+        larger = -(a[1] + copysign(sqrt(max(inside, 0.0)), a[1])) / 2
+        found = [larger / a[0], *([a[2] / larger] if inside > 0 else [])]
+    else:
+        found = [-a[1] / a[0]] if len(a) == 2 else []
+    return (x for x in found if -inf < x < 0)
 
 
 def _worst(

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from math import inf
 
 from zoh.analysis.needles import slope
-from zoh.analysis.sharp import as_v
+from zoh.analysis.sharp import as_v, closer
 from zoh.analysis.squares import Below, Squares
 from zoh.lti import signs
 from zoh.lti.whole import Whole
@@ -35,8 +35,10 @@ class Isolated:
     def least(self, below: Below) -> tuple[float, float]:
         """Return (v, the ratio there) where |D + N|/|below| is least between the ends."""
         s = self.squares
-        stationary = signs.odd_roots(slope(s, below))
-        ratio, q = min([(s.ratio_at(q, below), q) for q in stationary], default=(inf, (0, 1)))
+        over = slope(s, below)
+        seen = signs.odd_roots(over)
+        every = [*seen, *[closer(over, q) for q in seen]]  # a needle may be narrower than was seen
+        ratio, q = min([(s.ratio_at(q, below), q) for q in every], default=(inf, (0, 1)))
         return as_v(q), ratio
 
 

@@ -17,7 +17,7 @@ from math import inf, isnan, log, radians, tau
 
 import numpy as np
 
-from zoh.analysis.blurred import blurs, is_blurred
+from zoh.analysis.blurred import blurs, is_blurred, next_to_the_axis
 from zoh.analysis.certificates import Proof
 from zoh.analysis.close import Close
 from zoh.analysis.isolated import Isolated
@@ -68,9 +68,10 @@ def measure_loop(loop: Loop) -> Margins:
     What the figures rest on is in their ``warnings`` alone.
     """
     try:
-        near: list[float] = []
+        near = next_to_the_axis(loop)
         found = _looked_at(loop, decided(loop), near)
-        if near and is_blurred(loop, found, near) and (finer := loop.finer()) is not loop:
+        asked = near or found.modulus_margin < _NEEDLE
+        if asked and is_blurred(loop, found, near) and (finer := loop.finer()) is not loop:
             loop, found = finer, _looked_at(finer, decided(finer), near)
         if not _holds(found) and (plain := loop.without_shared()) is not None:
             loop, found = plain, _looked_at(plain, decided(loop), near)

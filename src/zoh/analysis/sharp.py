@@ -14,7 +14,7 @@ from zoh.lti import whole
 from zoh.lti.whole import Point, Whole, derivative
 
 _MORE = 128  # bits of a root beyond those of the float it starts from
-_ALMOST = 70  # bits that are right: the next step of Newton's method makes them more than _MORE
+_ALMOST = 100  # bits that are right: the next step makes them more than _MORE, beside others too
 _STEPS = 12
 _AWAY = 10  # bits: a root that is not within a thousandth of where it was seen is another one
 # bits that |num|^2 is below its own terms at a root of num: of coefficients that are meant to the
@@ -33,7 +33,16 @@ def closed_in(a: Whole, v: float) -> Point:
     >>> abs(top**2 - 2 * bottom**2) * 2**130 < bottom**2
     True
     """
-    first = squared(v)
+    return closer(a, squared(v))
+
+
+def closer(a: Whole, first: Point) -> Point:
+    """Return the root of a near q = first, 128 bits more of it; first where there is none.
+
+    >>> top, bottom = closer((1, 0, -2), (181, 128))
+    >>> abs(top**2 - 2 * bottom**2) * 2**130 < bottom**2
+    True
+    """
     top, bottom = first[0] << _MORE, first[1] << _MORE
     slope = derivative(a)
     bend = derivative(slope)
