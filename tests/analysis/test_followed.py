@@ -181,9 +181,9 @@ def highest(top, bottom, near):
     step[1, :] = mp.matrix([[0, 1, 0, 0, 0]]) + t * u
     step[2, :], step[3, :] = mp.matrix([[-1, 0, 0, 0, 1]]), u
     step[4, 4] = 1
-    z = step ** (int(near / T) - 2) * mp.matrix([0, 0, 0, 0, 1])
+    z = step ** (int(near / T) - 40) * mp.matrix([0, 0, 0, 0, 1])
     seen = []
-    for _ in range(5):
+    for _ in range(81):  # a flat crest may be named some samples from where it is
         push = (u * z)[0]
         at = min(max(-z[1] / push, mpf(0)), t)  # where the speed is 0, if that is in the sample
         seen.append(z[0] + at * z[1] + at * at / 2 * push)
