@@ -18,7 +18,9 @@ from zoh.analysis.loop import Loop
 from zoh.analysis.margins import measure_loop
 from zoh.analysis.stability import closed_loop_stable
 
-MARGIN_DEG, CROSSOVER = 1e-9, 1e-9  # what a request is met to
+# what a request is met to; analysis takes more digits of the hold than a law is solved on, and
+# where |L| is all but level that moves a crossing: 1.4e-9 deg was seen
+MARGIN_DEG, CROSSOVER = 3e-9, 1e-9
 
 
 def meets(sampled: zoh.Sampled, controller: zoh.Sampled, wc: float, pm_deg: float) -> bool:
