@@ -31,7 +31,7 @@ _TURN = 0.25  # rad that a mode turns at most from one sample shown to the next
 BAND = 0.02  # of its final value around that: in it a response has settled
 NEAR = 0.9  # of the band: what creeps on from there has settled
 STILL = 1e-4  # of the slowest mode is little enough to speak of rest
-_FEW = 1000  # samples cost less to look at than to choose among
+_FEW = 2000  # samples cost less to look at than to choose among
 _MOST = 1_000_000  # samples shown; a loop that needs more has thousands of swings
 
 
