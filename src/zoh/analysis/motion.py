@@ -31,6 +31,7 @@ _TURN = 0.25  # rad that a mode turns at most from one sample shown to the next
 BAND = 0.02  # of its final value around that: in it a response has settled
 NEAR = 0.9  # of the band: what creeps on from there has settled
 STILL = 1e-4  # of the slowest mode is little enough to speak of rest
+_ALONE = 1 << 18  # multiplications that OpenBLAS does not share out among threads
 _FEW = 2000  # samples cost less to look at than to choose among
 _MOST = 1_000_000  # samples shown; a loop that needs more has thousands of swings
 
@@ -107,11 +108,11 @@ class Motion:
             after = min(2 * done, count)
             known, block = out[: after - done], out[done:after]
             if slowest * (1 << doublings) < _PLAIN:
-                known.dot(self.power(doublings).T, out=block)
+                _products(known, self.power(doublings).T, block)
                 block += known
             else:
                 whole = _one_and(self.power(doublings)) if whole is None else whole.dot(whole)
-                known.dot(whole, out=block)
+                _products(known, whole, block)
             done, doublings = after, doublings + 1
         return out.T
 
@@ -164,6 +165,14 @@ class Motion:
             k=np.concatenate(ks), states=np.concatenate(zs, axis=1), horizon=k - stride,
             rests=k > end or slowest * k > -log(STILL),
         )  # fmt: skip
+
+
+def _products(rows: Array, s: Array, out: Array) -> None:
+    """Write rows s, as many at a time as BLAS takes on one thread: two of them mostly wait."""
+    most = max(1, _ALONE // s.size)
+    for first in range(0, len(rows), most):
+        part = slice(first, first + most)
+        rows[part].dot(s, out=out[part])
 
 
 def _one_and(s: Array) -> Array:

@@ -25,7 +25,7 @@ from math import factorial
 import numpy as np
 import numpy.typing as npt
 
-from zoh.batch.tolerances import EULERS, HELD, SERIES, SLOW, SMALL
+from zoh.batch.tolerances import EULERS, SERIES, SLOW, SMALL
 
 Array = npt.NDArray[np.float64]
 
@@ -38,7 +38,7 @@ class Held:
     after (u of one sample later - u), the output is x_0 + direct u. delta has the shape (n, n, B);
     x is the output and its derivatives by time in ``samples``, so many of which make a sample.
 
-    exact    whether the gain at rest, or what an integrator makes of it, has come out as it must
+    off      by how much of it the gain at rest, or what an integrator makes of it, has come out off
 
     rows     C A^m, shape (m, n, B), in that unit of time;  markov  C A^m B
     """
@@ -54,7 +54,7 @@ class Held:
     samples: Array
     rows: Array
     markov: Array
-    exact: npt.NDArray[np.bool_]
+    off: Array
 
 
 def held(num: Array, den: Array, dt: Array, delay: npt.NDArray[np.int64], lead: Array) -> Held:
@@ -78,7 +78,7 @@ def held(num: Array, den: Array, dt: Array, delay: npt.NDArray[np.int64], lead: 
         return Held(
             num=direct[None, :], den=np.ones((1, len(dt))), delay=delay, direct=direct,
             delta=none[None, :0], before=none, after=none, lead=lead, samples=np.ones_like(dt),
-            rows=none[None, :0], markov=none, exact=np.ones(len(dt), bool),
+            rows=none[None, :0], markov=none, off=np.zeros_like(dt),
         )  # fmt: skip
     reach = _reach(a)
     halvings = _halvings(reach)
@@ -99,12 +99,12 @@ def held(num: Array, den: Array, dt: Array, delay: npt.NDArray[np.int64], lead: 
     return Held(
         num=top + direct * bottom, den=bottom, delay=delay,
         delta=delta, before=before, after=after, direct=direct, lead=lead, samples=1 / unit,
-        rows=rows_, markov=markov, exact=_is_exact(a, b, top, bottom),
+        rows=rows_, markov=markov, off=_off(a, b, top, bottom),
     )  # fmt: skip
 
 
-def _is_exact(a: Array, b: Array, top: Array, bottom: Array) -> npt.NDArray[np.bool_]:
-    """Return whether the lowest powers agree: G is b_0/(a_i s^i) at rest, and so is what it holds.
+def _off(a: Array, b: Array, top: Array, bottom: Array) -> Array:
+    """Return how far the lowest powers are off: G is b_0/(a_i s^i) at rest, and so is its hold.
 
     A fast pole far beyond the others costs the low coefficients digits; they show it here.
     """
@@ -112,8 +112,7 @@ def _is_exact(a: Array, b: Array, top: Array, bottom: Array) -> npt.NDArray[np.b
     first, held_first = (np.take_along_axis(c, i, axis=0)[0] for c in (a, bottom))
     with np.errstate(all="ignore"):
         off = top[0] / held_first * 2.0 ** i[0] * first / b[0] - 1
-    exact: npt.NDArray[np.bool_] = (b[0] == 0) | (np.abs(off) <= HELD)
-    return exact
+    return np.where(b[0] == 0, 0.0, off)
 
 
 def _reach(a: Array) -> Array:

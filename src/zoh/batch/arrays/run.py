@@ -19,7 +19,7 @@ from zoh.batch.columns import Columns, Results, empty
 from zoh.batch.figures import BY_NAME
 from zoh.batch.job import GIVEN, Job
 from zoh.batch.reason import Reason
-from zoh.batch.tolerances import ON_TARGET, ROOM
+from zoh.batch.tolerances import HELD, ON_TARGET, ROOM
 
 CHUNK = 4096  # loops at a time: fewer are ruled by Python's calls, more leave a core's own cache
 
@@ -59,7 +59,8 @@ def _alike(job: Job, wanted: Batch, delay: int) -> tuple[Results, Mask]:
         loops, law = closed(job, wanted, plant, delay)
         good, doubt = stable(loops)
     able = law.room > 0
-    unsure = ~plant.exact | ~(np.abs(law.room) > ROOM)  # whether the law is able, too
+    unsure = ~(np.abs(plant.off) <= HELD)
+    unsure |= ~(np.abs(law.room) > ROOM)  # whether the law is able, too
     out = empty(job, n)
     out["reason"][:] = np.where(able, np.where(good, Reason.OK, Reason.UNSTABLE), Reason.INFEASIBLE)
     for name, values in law.gains.items():
@@ -69,11 +70,12 @@ def _alike(job: Job, wanted: Batch, delay: int) -> tuple[Results, Mask]:
         good_ones = only(loops, who)
         figures, rounded = measured(good_ones)
         doubt[who] |= rounded
+        held_ones = only(plant, who)
+        moves = motion(held_ones, only(law, who), delay)
         late, rounded = step_metrics(
-            motion(only(plant, who), only(law, who), delay), only(plant, who), delay,
-            poles(good_ones), good_ones.dt, job.reference,
-        )  # fmt: skip
-        doubt[who] |= rounded
+            moves, held_ones, delay, poles(good_ones), good_ones.dt, job.reference
+        )
+        doubt[who] |= rounded | ~(np.abs(held_ones.off * (1 - moves.final)) <= HELD)
         out["stable"][who] = True
         for name in BY_NAME:
             out[name][who] = late[name] if name in late else figures[name]

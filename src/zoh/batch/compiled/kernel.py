@@ -62,6 +62,8 @@ def one(
     if measured(w, degree, x, dt, margin):
         return True
     size = motion.closed(w, n, c, delay)
+    if not abs(p.numbers[2] * (1.0 - work.motion(w).numbers[0])) <= HELD:  # of the final value
+        return True
     slowest = modes(w, degree, x)
     count = between.cut(w, n, delay, lead, size)
     if n > 2:
