@@ -154,6 +154,12 @@ def test_what_cannot_be_written_leaves_no_half_of_a_file(swept, tmp_path, monkey
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("write", ["to_zarr", "to_netcdf"])
+def test_what_is_no_path_is_refused(swept, write):
+    with pytest.raises(zoh.SpecError, match=r"path must be a path.* 3"):
+        getattr(swept, write)(3)
+
+
 def test_the_dataset_of_a_grid_has_its_axes_and_units(swept, tmp_path):
     xarray = pytest.importorskip("xarray")
     found = swept.dataset

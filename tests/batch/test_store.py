@@ -118,6 +118,25 @@ def test_no_block_passes_for_another(whole, tmp_path):
     assert contents(path) == contents(whole[0])
 
 
+def test_no_block_of_another_sweep_passes_for_this_one_s(whole, tmp_path):
+    other, mixed = tmp_path / "other.zarr", tmp_path / "mixed.zarr"
+    seeded = Random(spreads=SPREADS, count=10, seed=12)
+    sweep_to(str(other), JOB, seeded, block=4, keep=KEPT, arithmetic="single")
+    shutil.copytree(whole[0], mixed)
+    for place in (*(f"{name}/c/1" for name in KEPT), "blocks/c/1/0"):
+        shutil.copy(other / place, mixed / place)
+    refused(mixed, "blocks/c/1/0")
+    assert swept(mixed) == whole[1]
+    assert contents(mixed) == contents(whole[0])
+
+
+def test_what_is_no_file_of_the_sweep_is_no_column_of_it(whole, tmp_path):
+    more = tmp_path / "more.zarr"
+    shutil.copytree(whole[0], more)
+    shutil.copytree(more / "ms", more / "mt")
+    assert set(open_sweep(str(more)).variables) == set(KEPT)
+
+
 def test_a_block_of_nothing_has_no_file_and_is_whole(tmp_path):
     """Zarr writes no chunk of fill values alone; that one of these is missing is no damage."""
     path = tmp_path / "a.zarr"

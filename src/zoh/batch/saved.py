@@ -26,6 +26,7 @@ def write_netcdf(found: "Dataset", path: str) -> None:
 def refuse_netcdf(path: str) -> None:
     """Raise SpecError where no new netCDF file can be written: to be asked before the work."""
     needed("h5netcdf", "a netCDF file")
+    store.absolute(path)
     _refuse_what_is_there(path)
     folder = Path(path).absolute().parent
     if not folder.is_dir():
@@ -35,6 +36,7 @@ def refuse_netcdf(path: str) -> None:
 def refuse_zarr(path: str) -> None:
     """Raise SpecError where no new Zarr store can be written: to be asked before the work."""
     needed("zarr", "a Zarr store")
+    store.absolute(path)
     _refuse_what_is_there(path)
 
 

@@ -6,8 +6,9 @@
 
 A seal is the CRC-32 of a file's bytes, -1 where there is none: Zarr writes no chunk that holds
 nothing but its fill value, and reads one that was lost as if it had been so. A row's own seal is
-begun with the block's number, so that no block passes for another. Rows are kept as plain
-little-endian floats, which need no decoder that damage could bring down.
+begun with the root's and the block's number, so that no block passes for another, nor for one of
+another sweep. Rows are kept as plain little-endian floats, which need no decoder that damage could
+bring down.
 """
 
 import json
@@ -39,7 +40,7 @@ _SHOWN = 3  # files of which a refusal gives the names
 def absolute(path: object) -> str:
     """Return the whole path of a folder; raise SpecError for what is no path."""
     if not isinstance(path, str | os.PathLike):
-        raise SpecError("path", "must be the path of a folder", path, "put it in quotes")
+        raise SpecError("path", "must be a path", path, "put it in quotes")
     return str(Path(os.fsdecode(path)).absolute())
 
 
@@ -138,17 +139,25 @@ def clear(path: str, number: int, keep: Sequence[str]) -> None:
         (Path(path) / place).unlink(missing_ok=True)
 
 
+def sealed(path: str) -> int:
+    """Return the root's seal of a store: which sweep it is of."""
+    return int(json.loads((Path(path) / ROOT).read_bytes())["attributes"][MARK]["seal"])
+
+
 def close(path: str, number: int, keep: Sequence[str], summary: Row) -> None:
     """Write the row of a block whose columns are there."""
     seals = [seal(Path(path) / _chunk(name, number)) for name in keep]
     contents = np.array([*summary, *seals], _FLOAT).tobytes()
-    own = np.array([crc32(contents, number)], _FLOAT).tobytes()
+    own = np.array([_own(contents, number, sealed(path))], _FLOAT).tobytes()
     put(Path(path) / _row_place(number), contents + own)
 
 
-def summary_of(path: str, number: int, keep: Sequence[str]) -> Row | None:
-    """Return the summary of a block of which every byte is as it was written, None of any other."""
-    row = _row(path, number, keep)
+def summary_of(path: str, number: int, keep: Sequence[str], of: int) -> Row | None:
+    """Return the summary of a block of which every byte is as it was written, None of any other.
+
+    of  the root's seal, ``sealed``
+    """
+    row = _row(path, number, keep, of)
     if row is None:
         return None
     seals = _seals(row, number, keep)
@@ -164,8 +173,9 @@ def seals_of(path: str) -> dict[str, int]:
     mark = attributes(path, "must be a sweep's store")[MARK]
     found: dict[str, int] = dict(mark["files"])
     missing: list[str] = []
+    of = sealed(path)
     for number in range(-(-mark["loops"] // mark["block"]) if "block" in mark else 0):
-        row = _row(path, number, mark["keep"])
+        row = _row(path, number, mark["keep"], of)
         if row is None:
             missing.append(_row_place(number))
         else:
@@ -184,7 +194,7 @@ def not_whole(path: str, files: str) -> SpecError:
     return SpecError("path", bound, path, way_out)
 
 
-def _row(path: str, number: int, keep: Sequence[str]) -> Row | None:
+def _row(path: str, number: int, keep: Sequence[str], of: int) -> Row | None:
     """Return a block's row, None where it is not there or not as it was written."""
     try:
         contents = (Path(path) / _row_place(number)).read_bytes()
@@ -193,7 +203,12 @@ def _row(path: str, number: int, keep: Sequence[str]) -> Row | None:
     if len(contents) != 8 * (WIDTH + len(keep) + 1):
         return None
     row = np.frombuffer(contents, _FLOAT).astype(np.float64)
-    return row if row[-1] == crc32(contents[:-8], number) else None
+    return row if row[-1] == _own(contents[:-8], number, of) else None
+
+
+def _own(contents: bytes, number: int, of: int) -> int:
+    """Return a row's own seal."""
+    return crc32(contents, of ^ number)
 
 
 def _seals(row: Row, number: int, keep: Sequence[str]) -> dict[str, int]:

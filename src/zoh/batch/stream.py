@@ -52,9 +52,9 @@ def sweep_to(
     columns = {name: _column(job, name) for name in kept}
     files = store.laid_out(described(job), mark(plan, kept, requirements), columns)
     store.begin(whole, files)
-    found, missing, already = Summary.nothing(), [], 0
+    found, missing, already, of = Summary.nothing(), [], 0, store.sealed(whole)
     for number in range(len(plan)):
-        row = store.summary_of(whole, number, kept)
+        row = store.summary_of(whole, number, kept, of)
         if row is None:
             missing.append(number)
         else:
@@ -78,9 +78,10 @@ def open_sweep(path: str) -> "Dataset":
     from zoh.batch.sealed import Sealed
 
     whole = store.absolute(path)
-    sealed = Sealed(whole, seals=store.seals_of(whole))
-    opened = xarray.open_zarr(sealed, consolidated=False)
-    found: Dataset = opened.drop_vars(store.BLOCKS, errors="ignore")
+    seals = store.seals_of(whole)
+    opened = xarray.open_zarr(Sealed(whole, seals=seals), consolidated=False)
+    others = set(opened.variables) - {place.partition("/")[0] for place in seals}
+    found: Dataset = opened.drop_vars({store.BLOCKS, *others}, errors="ignore")
     return found
 
 
