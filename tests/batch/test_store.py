@@ -202,7 +202,7 @@ def test_a_sweep_that_was_held_is_saved_with_its_seals(tmp_path, grid, damage):
 def test_what_is_no_store_is_said_in_one_line(tmp_path, made, why):
     made(tmp_path / "a.zarr")
     refused(tmp_path / "a.zarr", "path must be a sweep's store, but " + why)
-    with pytest.raises(zoh.SpecError, match="path must be the path of a folder, got 3"):
+    with pytest.raises(zoh.SpecError, match="path must be a path, got 3"):
         open_sweep(3)
 
 
