@@ -372,3 +372,37 @@ def test_when_a_crest_is_to_eleven_digits(at):
     truth = crest_in_50_digits(gain, a, design)
     for found in fast(job, columns):
         assert found["between.peak_time"][0] == pytest.approx(truth, rel=1e-11)
+
+
+def rise_in_30_digits(gain, dt):
+    """Return the rise in s of gain/(s (s^2 + s/16 + 1)) in unity feedback, held: each sample."""
+    with mpmath.workdps(30):
+        rates = mpmath.matrix(
+            [[0, 1, 0, 0], [0, 0, 1, 0], [0, -1, -mpmath.mpf(1) / 16, 1], [0] * 4]
+        )
+        moves = [[x for x in row] for row in mpmath.expm(rates * dt).tolist()[:3]]
+        state, reached = [mpmath.mpf(0)] * 3, []
+        for k in range(20_000):
+            if (
+                len(reached) < 2
+                and state[0] >= (mpmath.mpf("0.1"), mpmath.mpf("0.9"))[len(reached)]
+            ):
+                reached.append(k)
+            if len(reached) == 2:
+                return float((reached[1] - reached[0]) * dt)
+            z = [*state, gain * (1 - state[0])]
+            state = [mpmath.fdot(row, z) for row in moves]
+    raise AssertionError
+
+
+@pytest.mark.parametrize("beyond", [-1e-6, 1e-6, 1e-5, 1e-4])
+def test_a_crest_that_is_90_percent_high_for_less_than_a_stride_ends_the_rise(beyond):
+    # at this gain a crest of the swing on the rise is 0.9 high, and the next one comes 1.4 s later
+    gain, dt = 0.021513271226745 * (1 + beyond), 2.0**-7
+    plant = zoh.Plant(num=[gain], den=[1, 0.0625, 1, 0])
+    job = Job(plant=plant, law="given", controller=zoh.Sampled(num=[1], den=[1], dt=dt), dt=dt,
+              varying=("dt",))  # fmt: skip
+    columns = {"dt": np.array([dt])}
+    truth = rise_in_30_digits(gain, dt)
+    for found in (single.run(job, columns), *fast(job, columns)):
+        assert found["rise_time"][0] == truth

@@ -38,7 +38,8 @@ def wanted(k: Indices, seen: Array, final: float, band: float) -> list[int]:
     y, size = seen[0], abs(final)
     if (ends[0][0] if final >= 0 else -ends[1][0]) < 0.9 * size:
         up = y if final >= 0 else -y
-        marks.update(int((up >= level * size).argmax()) for level in (0.1, 0.9))
+        for level in (0.1, 0.9):
+            marks |= _reaching(k, up, begin, level * size)
     if max(ends[2][0] - final, final - ends[3][0]) > NEAR * band:
         off = np.abs(y - final)
         outside = (off > band).nonzero()[0]
@@ -46,6 +47,17 @@ def wanted(k: Indices, seen: Array, final: float, band: float) -> list[int]:
         marks |= {after} | _crests(k, off, max(after, begin), band)
     rows = {j for i in marks for j in (i - 1, i) if begin <= j < len(coarse)}
     return sorted(j for j in rows if coarse[j])
+
+
+def _reaching(k: Indices, a: Array, begin: int, level: float) -> set[int]:
+    """Return the rows beside which a may be as high as a level for the first time.
+
+    That is the first of those shown, or a crest before it that is as high between two of them.
+    """
+    first = int((a >= level).argmax())
+    until = first if a[first] >= level else len(a) - 1
+    before = _crests(k[: until + 1], a[: until + 1], begin, level) if until > begin else set()
+    return before | {first}
 
 
 def _crests(k: Indices, a: Array, begin: int, level: float) -> set[int]:

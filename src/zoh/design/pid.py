@@ -121,9 +121,13 @@ def solve_ratio(
 ) -> PID:
     """Return the PID whose Ti/Td = kp^2/(ki kd) is given, on target as ``solve`` is.
 
-    In b it is the quadratic (a - x b)^2 = r (1 + x^2) b (b - s), a = cos(theta)/|G|,
-    s = sin(theta)/|G|: the left side falls to 0 and the right side rises from 0 over the b of
-    positive gains, so exactly one root is there. Raises as ``solve`` does.
+    With b = v kd/(1 + x^2) and c = ki/v, b - c = s = sin(theta)/|G|, it is a quadratic in the
+    smaller of both, u, with q = |s| and a = cos(theta)/|G|, less x s where c is the smaller::
+
+        (a - x u)^2 = r (1 + x^2) u (u + q)
+
+    The left side falls to 0 and the right side rises from 0 over the u of positive gains, so
+    exactly one root is there. Raises as ``solve`` does.
 
     >>> plant = Sampled(num=(1.0,), den=(1.0, -1.0), dt=1.0)
     >>> d = solve_ratio(plant, Crossover(wc=pi / 2, pm_deg=45), ti_td=4.0)
@@ -134,13 +138,20 @@ def solve_ratio(
     able = phases_of_any(target, tau)
     if not target.inside(able):
         raise refusal("a PID with positive gains", target, spec, able, "")
-    x, r = target.v * tau, ti_td * (1 + (target.v * tau) ** 2)
-    a, s = cos(target.theta) / target.size, sin(target.theta) / target.size
-    square, line = x * x - r, r * s - 2 * a * x
-    root = sqrt(line * line - 4 * square * a * a)
-    # the positive root without cancellation; where both are positive this is the smaller one
-    b = 2 * a * a / (root - line) if line <= 0 else (line + root) / (-2 * square)
-    return _with_ki(target, target.v * (b - s), filter_pole)
+    x, s = target.v * tau, sin(target.theta) / target.size
+    r, q = ti_td * (1 + x * x), abs(s)
+    a = cos(target.theta) / target.size - x * max(s, 0.0)
+    # (r - x^2) u^2 + (r q + 2 a x) u = a^2; of two positive roots the smaller one
+    line = r * q + 2 * a * x
+    u = 2 * a * a / (line + sqrt(line * line + 4 * (r - x * x) * a * a))
+    b, c = (u + q, u) if s > 0 else (u, u + q)
+    return PID(
+        kp=a - x * u,
+        ki=target.v * c,
+        kd=b * (1 + x * x) / target.v,
+        filter_pole=2 / target.dt if filter_pole is None else filter_pole,
+        dt=target.dt,
+    )
 
 
 def _with_ki(target: Target, ki: float, filter_pole: float | None) -> PID:

@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 
 from zoh.batch.arrays.between import Piece, crest
-from zoh.batch.arrays.crests import Late, Passed, highest, outside
+from zoh.batch.arrays.crests import Late, Passed, earlier, highest, outside
 from zoh.batch.arrays.held import Held
 from zoh.batch.arrays.look import Part, Seen
 from zoh.batch.arrays.motion import Motion
@@ -26,6 +26,7 @@ def closed_in(motion: Motion, sign: Array, size: Array, seen: Seen, passed: Pass
         if len(who):
             part, below = Part.of(motion, sign, size, who), partial(_below, level)
             places[who] = 1 + part.last(places[who] - strides[who], places[who], below)[0]
+        earlier(motion, sign, size, passed, level, places)
     (who,) = np.nonzero(seen.stride_out > 1)
     if len(who):
         part, last = Part.of(motion, sign, size, who), seen.k_out[who]

@@ -5,6 +5,7 @@ Those that may matter are few: a crest whose samples stay 2 % below the highest 
 """
 
 from dataclasses import dataclass, field
+from math import inf
 
 import numpy as np
 
@@ -57,16 +58,17 @@ class Passed:
         return cls(k=np.zeros((2, count)), y=np.zeros((2, count)), u=np.zeros((2, count)))
 
     def note(
-        self, who: Index, ys: Array, us: Array, k: Array, stride: float, size: Array, seen: Seen
-    ) -> None:
-        """Note the samples of a block, k the first of them."""
+        self, who: Index, ys: Array, us: Array, k: Array, stride: float, size: Array, top: Array,
+        seen: Seen,
+    ) -> None:  # fmt: skip
+        """Note the samples of a block, k the first of them; top is the highest before it."""
         ks = k + stride * np.arange(len(ys))[:, None]
         if stride > 1:
             ks, y, u = (
                 np.concatenate([taken(old, who), new])
                 for old, new in ((self.k, ks), (self.y, ys), (self.u, us))
             )
-            self.of_y.append(Crests.of(who, ks, y, seen.top[who] - BELOW * size))
+            self.of_y.append(Crests.of(who, ks, y, top - BELOW * size))
             for side in (1.0, -1.0):
                 off, best = side * (y - size), side * (seen.most if side > 0 else seen.least)[who]
                 self.of_band[side].append(Crests.of(who, ks, off, CREST * BAND * size))
@@ -102,6 +104,24 @@ def highest(motion: Motion, sign: Array, size: Array, seen: Seen, passed: Passed
     order = order[top[order] > seen.top[crests.who[order]]]
     seen.top[crests.who[order]], seen.k_top[crests.who[order]] = top[order], k[order] + 1
     return Late(who=crests.who, k=k, z=z, after=after)
+
+
+def earlier(
+    motion: Motion, sign: Array, size: Array, passed: Passed, level: float, places: Array
+) -> None:
+    """Move the first samples as high as a level to crests that were so for less than a stride."""
+    crests = _joined(passed.of_y, (level - BELOW) * size)
+    first = np.where(places < 0, inf, places)
+    crests = crests.only(
+        (crests.height < level * size[crests.who]) & (crests.start < first[crests.who])
+    )
+    part = _part(motion, sign * motion.output, size, crests)
+    k, z = _crest(part, crests)
+    (high,) = np.nonzero(part.y(part.after(z)) >= level * part.size)
+    again = _part(motion, sign * motion.output, size, crests.only(high))
+    k = again.last(crests.start[high], k[high] + 1, lambda p, z: p.y(z) < level * p.size)[0]
+    np.minimum.at(first, crests.who[high], k + 1)
+    places[:] = np.where(np.isinf(first), places, first)
 
 
 def outside(motion: Motion, sign: Array, size: Array, seen: Seen, passed: Passed) -> None:

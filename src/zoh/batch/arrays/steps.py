@@ -103,6 +103,7 @@ def _followed(
                 if turns is None:
                     _note_crests(seen, at_crest, parts, who, zs, sign[who], k)
                 corners = _note_corners(seen, at_crest, parts, who, zs, sign[who], k)
+            highest = seen.top[who]
             _note(seen, who, ys, size[who], k, stride)
             if level == 0 and turns is not None:
                 after = np.sum(way.signals[0] * state, axis=0)
@@ -110,7 +111,7 @@ def _followed(
                 top = np.maximum(seen.top[who], size[who] * (1 + NOTHING))
                 turns.note(who, zs, us, ends, corners, k, top)
             _note_effort(seen, who, us)
-            passed.note(who, ys, us, k, stride, size[who], seen)
+            passed.note(who, ys, us, k, stride, size[who], highest, seen)
             way = replace(way, state=state, k=k + _BLOCK * stride)
             done, turning = modes.look(who, way.k, way.delta, way.signals, way.rest, state, seen)
             slow = turning * 2 * stride <= TURN

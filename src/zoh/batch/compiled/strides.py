@@ -57,9 +57,16 @@ def long_stride(
             seen[K_OUT] = last(w, m.output, side * sign, (BAND + side) * full, level, before, here,
                                size)  # fmt: skip
         if y1 >= y2 and y1 > y and y1 > seen[TOP] - BELOW * full:
+            top = seen[TOP]
             take(block, i - 2, size, zs[FOUND])
             lost = crest_of_y(w, count, n, level, sign, start, here, size)
             unknown = unknown or lost
+            if top < 0.1 * full <= seen[TOP]:  # for less than a stride, the first time
+                seen[K_10] = reached(w, i - 1, 0.1 * full, level + 1, sign, start, seen[K_TOP],
+                                     size)  # fmt: skip
+            if top < 0.9 * full <= seen[TOP]:
+                seen[K_90] = reached(w, i - 1, 0.9 * full, level + 1, sign, start, seen[K_TOP],
+                                     size)  # fmt: skip
         if off1 >= off2 and off1 > side * (y - full) and off1 > CREST * BAND * full:
             take(block, i - 2, size, zs[FOUND])
             crest_of_band(w, level, sign, full, side, start, here, size)
