@@ -14,6 +14,7 @@ from mpmath import mp
 
 from zoh.design import first_order, p, pid
 from zoh.design import pi as pi_law
+from zoh.design.target import Target
 from zoh.errors import Infeasible, SpecError
 from zoh.lti.systems import Sampled
 from zoh.spec import Crossover
@@ -164,6 +165,39 @@ def test_pd_by_hand():
     got = pid.solve(INTEGRATOR, Crossover(wc=pi / 2, pm_deg=75), ki=0.0)
     assert (got.kp, got.kd) == pytest.approx((sqrt(1.5) - sqrt(0.5), sqrt(0.5)), rel=1e-14)
     assert got.controller().den == (1.0, 0.0)  # no integrator
+
+
+@pytest.mark.parametrize("ki", [0.0, 3.0])
+def test_a_pid_with_a_pole_of_its_own_is_built_with_it(ki):
+    # dt = 2: w = (z - 1)/(z + 1); at z = 3, 5/3 and -3 that is 1/2, 1/4 and 2
+    law = pid.PID(kp=2.0, ki=ki, kd=0.75, filter_pole=0.5, dt=2.0)
+    made = law.controller()
+    for z, w in ((3, 0.5), (5 / 3, 0.25), (-3, 2)):
+        told = 2 + ki / w + 0.75 * w / (1 + 2 * w)
+        assert in_powers(made.num, z) / in_powers(made.den, z) == pytest.approx(told, rel=1e-14)
+    assert len(made.den) == (3 if ki else 2)
+
+
+@pytest.mark.parametrize(
+    ("theta", "tau", "low", "high"),
+    [
+        # v = 2, |G| = 1/2, v/|G| = 4; x = 2 tau
+        (30, 0.5, 0, 2 * sqrt(3) - 2),
+        (-30, 0.5, 2, 2 * sqrt(3) + 2),
+        (-60, 0.25, 2 * sqrt(3), 4 + 2 * sqrt(3)),
+        (-30, 0.0, 2, inf),
+    ],
+)
+def test_the_room_of_an_integral_by_hand(theta, tau, low, high):
+    target = Target(v=2.0, size=0.5, theta=radians(theta), dt=1.0)
+    assert pid.room(target, tau) == pytest.approx((low, high), rel=1e-14)
+
+
+def test_a_room_that_holds_no_float_is_none():
+    # at x = 1e17 and -45 deg: sqrt(1/2) to sqrt(1/2) + 7e-18, where floats are 1e-16 apart
+    assert pid.room(Target(v=1.0, size=1.0, theta=-pi / 4, dt=1.0), 1e17) is None
+    assert pid.room(Target(v=1.0, size=1.0, theta=-pi / 2, dt=1.0), 1.0) is None  # an end
+    assert pid.room(Target(v=1.0, size=1.0, theta=pi / 4, dt=1.0), 1.0) is None  # the other
 
 
 @given(plants, shares, margins, st.floats(0, 3))

@@ -128,7 +128,7 @@ def test_series_in_fifty_digits(plant, dt, t):
     assert float(max(rest)) < 1e-14 * size
 
 
-@pytest.mark.parametrize("span", [0.01, 0.25, 1.0])
+@pytest.mark.parametrize("span", [0.01, 0.05, 0.25, 1.0])
 def test_as_many_terms_as_count(span):
     terms = LAG.terms(span) - 1  # beside one for the state
     turn = 1.5 * span
@@ -169,6 +169,14 @@ def test_a_mode_that_is_over_is_not_cut():
     assert len(found) < 40
     slow = Held.of(Plant(num=[1], den=[1, 1001.0, 1000.0, 0.0]), 1.0)._stretches(1.0)
     assert len(slow) == len(found)  # slow poles and integrators cut nothing
+
+
+def test_a_mode_that_is_over_is_not_cut_in_a_part_of_a_sample_either():
+    # 1e4 rad a sample, half a sample: over doubles with every stretch from 2 on, 2, 4 ... 256, and
+    # 28 log(5e3) = 238 is what the powers of the longest series need: from 256 on there is one
+    begins = [a for a, _ in Held.of(Plant(num=[1], den=[1, 1e4]), 1.0)._stretches(0.5)]
+    over = 1e4 * np.array(begins) - 40
+    assert over[-2:] == pytest.approx([128, 256], rel=1e-9)
 
 
 def test_too_many_stretches_are_none():

@@ -1,7 +1,8 @@
 """moves: a held plant inside a sample that its fastest mode outruns, against 120 digits."""
 
+from dataclasses import replace
 from decimal import Decimal
-from math import e, sqrt
+from math import comb, e, exp, factorial, sqrt
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from mpmath import mp, mpf
 
 from zoh.errors import SpecError
 from zoh.lti.systems import Plant
+from zoh.sampling import moves as room
 from zoh.sampling.moves import Moves
 
 REL = 1e-14  # of each number of the state's move; a float's rounding five times over
@@ -105,13 +107,72 @@ def test_modes_a_billion_times_faster_than_the_sample_are_over():
     assert np.abs(series[:, :5]).max() < 1e-60
 
 
+def test_a_double_lag_that_is_all_but_over_has_every_digit():
+    # 1/(s + 100)^2: Phi = exp(-100 t) ((1 + 100 t, t), (-1e4 t, 1 - 100 t)); 4e-44 stands beside 1
+    moved = Moves.of(Plant(num=[1], den=[1, 200, 1e4]), 1.0).moved(1.0)
+    left = exp(-100)
+    assert moved[0] == pytest.approx([101 * left - 1, left, (1 - 101 * left) / 1e4], rel=REL)
+    assert moved[1] == pytest.approx([-1e4 * left, -99 * left - 1, left], rel=REL)
+
+
+@pytest.mark.parametrize("gain", [1.0, 1e-150, 1e150])
+def test_what_a_lag_has_left_of_its_state_has_every_digit(gain):
+    # y = gain x, x = (state - u/150) exp(-150 t) + u/150: from t = 1 on its powers in 150 (t - 1)
+    moves = Moves.of(Plant(num=[gain], den=[1, 150]), 1.0)
+    on_state, on_input = moves.series(1.0, 1 / 150, 9).T
+    falls = np.array([exp(-150) * (-1) ** j / factorial(j) for j in range(9)])
+    assert on_state == pytest.approx(gain * falls, rel=REL, abs=0)
+    rests = -gain / 150 * falls
+    rests[0] += gain / 150
+    # of what the input adds at most: beside 1/150, 1e-68 is not asked for its digits
+    assert on_input == pytest.approx(rests, rel=0, abs=REL * gain / 150)
+
+
+@pytest.mark.parametrize("bits", [70, 200, 2000])
+def test_the_bits_to_begin_with_decide_nothing(bits):
+    # 1/(s + a)^13 at a t = 2^-20: A + a is nilpotent, exp(A t) = exp(-a t) sum (A + a)^k t^k/k!
+    n, a, t = 13, 2**30, 2.0**-50
+    den = [comb(n, i) * a**i for i in range(n + 1)]
+    moves = Moves.of(Plant(num=[1], den=den), 1.0)
+    row, wanted = [1] + [0] * (n - 1), [mpf(0)] * n
+    with mp.workdps(200):
+        for k in range(n):
+            wanted = [w + x * mpf(t) ** k / factorial(k) for w, x in zip(wanted, row, strict=True)]
+            moved = zip(row, [0, *row[:-1]], den[:0:-1], strict=True)
+            row = [a * x + y - row[-1] * c for x, y, c in moved]
+        wanted = [w * mp.exp(-a * mpf(t)) for w in wanted]
+        wanted[0] -= 1
+    position = replace(moves, bits=bits).moved(t)[0]
+    # t^8/8! is the last that is not beyond 2^-400 of the largest; the last row begins with 2^340
+    assert position[:8] == pytest.approx([float(w) for w in wanted[:8]], rel=REL, abs=0)
+
+
+@pytest.mark.parametrize(
+    ("den", "most"),
+    [
+        # position and rate of an integrator's chain keep zeros that no bits make sure
+        ([1, 30, 0, 0], 300),
+        # exp(-1e9) is nothing; 1e-45 beside 1, and 2^30 five times over, are something
+        ([1e9**i * c for i, c in enumerate([1, 5, 10, 10, 5, 1])], 3000),
+    ],
+)
+def test_what_is_zero_or_nothing_asks_for_no_bits(monkeypatch, den, most):
+    asked, ring = [], room.FixedRing
+    monkeypatch.setattr(room, "FixedRing", lambda **a: asked.append(a["bits"]) or ring(**a))
+    moves = Moves.of(Plant(num=[1], den=den), 1.0)
+    moves.moved(1.0)
+    moves.series(0.5, 1e-3, 12)
+    assert max(asked) < most
+
+
 def test_a_motion_beyond_floats_is_refused():
     moves = Moves.of(Plant(num=[1], den=[1.0, -699.0, -700.0]), 1.0)  # poles 700 and -1
     with mp.workdps(50):
         wanted = float((mp.exp(700) - mp.exp(-1)) / 701)
     assert moves.moved(1.0)[0, 1] == pytest.approx(wanted, rel=REL)
-    with pytest.raises(SpecError, match="must keep the plant's motion within a sample"):
+    with pytest.raises(SpecError, match="must keep the plant's motion within a sample") as refused:
         moves.series(1.0, 1.0, 12)  # 700^11 times that
+    assert (refused.value.argument, refused.value.value) == ("dt", 1.0)
 
 
 def test_a_mode_too_fast_for_any_exponent_is_refused():
