@@ -147,22 +147,61 @@ def test_the_bits_to_begin_with_decide_nothing(bits):
     assert position[:8] == pytest.approx([float(w) for w in wanted[:8]], rel=REL, abs=0)
 
 
+def test_what_is_off_with_too_few_bits_is_within_its_bound():
+    # x' = 100 x + u at 40 bits: exp(100) doubled up from exp(100/256) loses eight of them
+    moves = Moves.of(Plant(num=[1], den=[1, -100]), 1.0)
+    unit, grown = moves.exponent, exp(100)
+    rows, errors = moves._rows(1.0, 40, unit * np.array([[0, -1]]), seen=False)
+    found = rows[0] * moves.ratio ** np.array([0, -1])
+    bounds = errors[0] * moves.ratio ** np.array([0, -1])
+    off = abs(found - [grown - 1, (grown - 1) / 100])
+    assert np.all(off > 1e-12 * abs(found))  # or there is nothing to bound
+    assert np.all(off <= bounds)
+    units = unit * np.array([[1, 0], [2, 1], [3, 2]]) + moves.scaled.gain
+    rows, errors = moves._rows(1.0, 40, units, seen=True)
+    for j, (row, bound) in enumerate(zip(rows, errors, strict=True)):
+        power = moves.ratio ** np.array([j + 1, j])
+        wanted = np.array([100.0, 1.0]) * (grown - np.array([0, not j])) * 100.0 ** (j - 1)
+        off = abs(row * power - wanted)
+        assert np.all(off > 1e-12 * wanted)
+        assert np.all(off <= bound * power)
+
+
 @pytest.mark.parametrize(
-    ("den", "most"),
+    ("gain", "den", "most"),
     [
         # position and rate of an integrator's chain keep zeros that no bits make sure
-        ([1, 30, 0, 0], 300),
+        (1, [1, 30, 0, 0], 300),
         # exp(-1e9) is nothing; 1e-45 beside 1, and 2^30 five times over, are something
-        ([1e9**i * c for i, c in enumerate([1, 5, 10, 10, 5, 1])], 3000),
+        (1, [1e9**i * c for i, c in enumerate([1, 5, 10, 10, 5, 1])], 3000),
+        # exp(-100) is 2^-144, and 58 bits of it are a float's; a gain changes nothing
+        (1, [1, 200, 1e4], 400),
+        (1e300, [1, 200, 1e4], 400),
     ],
 )
-def test_what_is_zero_or_nothing_asks_for_no_bits(monkeypatch, den, most):
+def test_no_more_bits_are_taken_than_are_missing(monkeypatch, gain, den, most):
     asked, ring = [], room.FixedRing
     monkeypatch.setattr(room, "FixedRing", lambda **a: asked.append(a["bits"]) or ring(**a))
-    moves = Moves.of(Plant(num=[1], den=den), 1.0)
-    moves.moved(1.0)
-    moves.series(0.5, 1e-3, 12)
-    assert max(asked) < most
+    moves = Moves.of(Plant(num=[gain], den=den), 1.0)
+    for look in (lambda: moves.moved(1.0), lambda: moves.series(1.0, 1e-3, 12)):
+        asked.clear()
+        look()
+        assert asked == sorted(asked)
+        assert asked[-1] < most
+        assert len(asked) <= 2  # the first says how many are missing
+
+
+def test_a_moment_far_below_every_time_constant_moves_by_the_slope():
+    # x' = u - 30 x for 2^-450 of a sample: 1e-135, and the next power 1e-270
+    assert Moves.of(Plant(num=[1], den=[1, 30]), 1.0).moved(Decimal(2.0**-450)).tolist() == [
+        [-30 * 2.0**-450, 2.0**-450]
+    ]
+
+
+def test_a_plant_that_falls_silent_within_a_sample_is_silent():
+    # s/(s + 1e9)^2 answers a step with t exp(-1e9 t): no number is left to be sure of
+    moves = Moves.of(Plant(num=[1, 0], den=[1, 2e9, 1e18]), 1.0)
+    assert not moves.series(1.0, 0.5, 20).any()
 
 
 def test_a_motion_beyond_floats_is_refused():
@@ -173,6 +212,8 @@ def test_a_motion_beyond_floats_is_refused():
     with pytest.raises(SpecError, match="must keep the plant's motion within a sample") as refused:
         moves.series(1.0, 1.0, 12)  # 700^11 times that
     assert (refused.value.argument, refused.value.value) == ("dt", 1.0)
+    assert refused.value.bound.endswith("within a float's range")
+    assert refused.value.way_out == "sample faster, or leave the fast mode out of the model"
 
 
 def test_a_mode_too_fast_for_any_exponent_is_refused():
