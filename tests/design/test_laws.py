@@ -201,7 +201,7 @@ def test_a_room_that_holds_no_float_is_none():
 
 
 def with_a_pole(plant, spec, pole):
-    """Return (v, x, filter_pole): the derivative's pole ``pole`` times v, the usual one for None."""
+    """Return (v, x, filter_pole): the derivative's pole at ``pole`` v, the usual one for None."""
     v = 2 / plant.dt * sin(spec.wc * plant.dt / 2) / cos(spec.wc * plant.dt / 2)
     return (v, v * plant.dt / 2, None) if pole is None else (v, 1 / pole, pole * v)
 
