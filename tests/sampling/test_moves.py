@@ -158,6 +158,18 @@ def test_the_bits_to_begin_with_decide_nothing(bits):
     assert position[:8] == pytest.approx([float(w) for w in wanted[:8]], rel=REL, abs=0)
 
 
+def test_a_pole_far_below_the_fastest_moves_the_state_by_all_its_digits():
+    # s^2 + 100 s + 2^-200: poles near -100 and -2^-200/100, so x_0 falls by 6e-63 of itself
+    moves = replace(Moves.of(Plant(num=[1], den=[1, 100, 2.0**-200]), 1.0), bits=70)
+    with mp.workdps(200):
+        a = -50 - mp.sqrt(2500 - mpf(2) ** -200)
+        b = mpf(2) ** -200 / a
+        fall = (b * mp.expm1(a) - a * mp.expm1(b)) / (b - a)
+        rate = a * b * (mp.expm1(a) - mp.expm1(b)) / (b - a)
+        wanted = [float(fall), float(rate)]
+    assert moves.moved(1.0)[:, 0].tolist() == pytest.approx(wanted, rel=REL, abs=0)
+
+
 def test_what_is_off_with_too_few_bits_is_within_its_bound():
     # x' = 100 x + u at 40 bits: exp(100) doubled up from exp(100/256) loses eight of them
     moves = Moves.of(Plant(num=[1], den=[1, -100]), 1.0)
