@@ -177,6 +177,9 @@ def test_a_mode_that_is_over_is_not_cut_in_a_part_of_a_sample_either():
     begins = [a for a, _ in Held.of(Plant(num=[1], den=[1, 1e4]), 1.0)._stretches(0.5)]
     over = 1e4 * np.array(begins) - 40
     assert over[-2:] == pytest.approx([128, 256], rel=1e-9)
+    # of 1.5e4 rad the series of 27 powers and one for the state takes 28 log(1.5e4) = 269
+    begins = [a for a, _ in Held.of(Plant(num=[1], den=[1, 1.5e4]), 1.0)._stretches(1.0)]
+    assert 1.5e4 * begins[-1] - 40 == pytest.approx(512, rel=1e-9)
 
 
 def test_too_many_stretches_are_none():
