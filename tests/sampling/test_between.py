@@ -64,6 +64,14 @@ def test_the_poles_are_no_larger_than_the_two_largest_terms_together():
     assert held.c == pytest.approx((2 / 8, 0.5 / 4, 0.0), rel=1e-15)
 
 
+def test_a_sensor_over_a_leading_coefficient_may_be_no_float():
+    # 1e200/1e-200 is none; 1e200 (1e-300 s + 3e-300)/(1e-200 (s^2 + s + 2)) is 1e100 (s + 3)/...
+    held = Held.of(Plant(num=[1e-300, 3e-300], den=[1e-200, 1e-200, 2e-200], sensor=1e200), 1.0)
+    assert held.low == pytest.approx((2, 1), rel=1e-15)
+    assert held.c == pytest.approx((3e100, 1e100), rel=1e-15)
+    assert held.d == 0
+
+
 PLANTS = {
     "two lags and a gain": Plant(num=[1, 5, 7], den=[1, 3, 2], sensor=0.5),
     "arm": Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180),
