@@ -64,6 +64,12 @@ def test_the_poles_are_no_larger_than_the_two_largest_terms_together():
     assert held.c == pytest.approx((2 / 8, 0.5 / 4, 0.0), rel=1e-15)
 
 
+def test_a_lag_beside_a_gain_is_told_over_its_leading_coefficient():
+    # (2 s + 5)/(4 s + 8) = 1/2 + (1/4)/(s + 2), at dt 1/2
+    held = Held.of(Plant(num=[2, 5], den=[4, 8]), 0.5)
+    assert (held.low, held.c, held.d) == ((1.0,), (0.125,), 0.5)
+
+
 def test_a_sensor_over_a_leading_coefficient_may_be_no_float():
     # 1e200/1e-200 is none; 1e200 (1e-300 s + 3e-300)/(1e-200 (s^2 + s + 2)) is 1e100 (s + 3)/...
     held = Held.of(Plant(num=[1e-300, 3e-300], den=[1e-200, 1e-200, 2e-200], sensor=1e200), 1.0)
