@@ -68,6 +68,9 @@ def test_a_lag_beside_a_gain_is_told_over_its_leading_coefficient():
     # (2 s + 5)/(4 s + 8) = 1/2 + (1/4)/(s + 2), at dt 1/2
     held = Held.of(Plant(num=[2, 5], den=[4, 8]), 0.5)
     assert (held.low, held.c, held.d) == ((1.0,), (0.125,), 0.5)
+    # (3 s + 1 + 2^-52)/(3 s + 1): what is left beside the gain is 2^-52/3 in every digit
+    held = Held.of(Plant(num=[3, 1 + 2.0**-52], den=[3, 1]), 1.0)
+    assert held.c == pytest.approx((2.0**-52 / 3,), rel=1e-15, abs=0)
 
 
 def test_a_sensor_over_a_leading_coefficient_may_be_no_float():
