@@ -5,7 +5,7 @@ from math import inf
 
 import pytest
 
-from zoh.analysis.asked import missed
+from zoh.analysis.asked import Compared, missed
 from zoh.analysis.results import Margins, StepInfo
 from zoh.spec import Requirements
 
@@ -125,6 +125,13 @@ def test_an_infinite_margin_meets_every_bound():
     free = replace(MARGINS, gain_margin=inf, phase_margin_deg=inf, delay_margin=inf)
     asked = Requirements(gain_margin_db=1e6, pm_deg=179.0, delay_margin=1e6)
     assert missed(asked, free, STEP) == []
+
+
+def test_what_equals_its_bound_is_said_in_the_digits_of_the_bound():
+    equal = Compared(name="peak_effort", bound=80.0, value=80.0, at_least=False)
+    assert equal.sentence == "peak_effort must be at most 80, measured 80"
+    equal = Compared(name="effort_min", bound=-1e9, value=-1e9, at_least=True)
+    assert equal.sentence == "effort_min must be at least -1e+09, measured -1e+09"
 
 
 @pytest.mark.parametrize(

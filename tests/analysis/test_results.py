@@ -7,7 +7,7 @@ from math import inf
 import pytest
 
 from zoh.analysis.certificates import Certificate, Proof
-from zoh.analysis.results import Gains, Margins, StepInfo, jsonable
+from zoh.analysis.results import Choice, Gains, Margins, StepInfo, jsonable
 
 YES = Proof(holds=True, method="Descartes", detail="2 sign changes, 2 found")
 NO = Proof(holds=False, method="halving", detail="1 sign changes on the axis, 2 found")
@@ -120,6 +120,21 @@ def test_a_step_in_json():
 )
 def test_settling_in_words(step, words):
     assert step.settling == words
+
+
+def test_a_choice_in_json():
+    bare = {"open": ["ki"], "assumed": [], "limits": [], "tried": [], "notes": []}
+    assert Choice(open=("ki",)).to_dict() == bare
+    whole = Choice(
+        open=("law", "wc"), assumed=("ms",), limits=("a", "b"),
+        tried=(("p", "too slow"), ("pi", "not stable")), notes=("c",),
+    )  # fmt: skip
+    assert whole.to_dict() == {
+        "open": ["law", "wc"], "assumed": ["ms"], "limits": ["a", "b"], "notes": ["c"],
+        "tried": [
+            {"law": "p", "why_not": "too slow"}, {"law": "pi", "why_not": "not stable"},
+        ],
+    }  # fmt: skip
 
 
 def test_gains_are_a_mapping_that_can_be_kept():

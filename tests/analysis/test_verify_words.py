@@ -136,6 +136,15 @@ REFUSED = [
         {"controller": 3},
         "controller must be a zoh.Sampled, got 3: give num, den and dt",
     ),
+    *(
+        ({name: -1.0}, f"{name} must be 0 or more, got -1.0: give zero or more")
+        for name in ("setpoint_weight", "derivative_weight")
+    ),
+    (
+        {"gains": {"kp": 0.25}, "setpoint_weight": 0.5},
+        "gains must be those of the controller where its reference is weighted, "
+        "got {'kp': 0.25}: give kp, ki, kd and filter_pole",
+    ),
 ]
 
 
@@ -145,6 +154,31 @@ def test_refusals_name_what_is_wrong_and_the_way_out(ask, wrong, sentence):
     with pytest.raises(SpecError) as err:
         ask(**({"plant": INTEGRATOR, "controller": HALF} | wrong))
     assert str(err.value) == sentence
+
+
+def test_a_weighted_filter_of_the_derivative_must_be_stable():
+    # 0.5 + w/(1 - w/3) in w = 2 (z - 1)/(z + 1): the derivative's pole is on the right, at w = 3
+    gains = {"kp": 0.5, "kd": 1.0, "filter_pole": -3.0}
+    d = Sampled.from_w(num_w=[0.5 / -3 + 1, 0.5], den_w=[1 / -3, 1.0], dt=1.0)
+    with pytest.raises(SpecError) as err:
+        measure(INTEGRATOR, d, gains=gains, derivative_weight=0.5)
+    assert str(err.value) == (
+        "controller must be stable where the reference is weighted, "
+        "got 'an unstable filter': leave the weights out"
+    )
+
+
+def test_the_weights_of_a_reference_are_told_where_they_count():
+    p = measure(INTEGRATOR, HALF, gains={"kp": 0.5}, setpoint_weight=0.75)
+    lines = p.report().splitlines()
+    assert lines[lines.index("  reference weighted by b = 0.75") - 1] == (
+        "  phase margin 75.5225 deg at 0.505361 rad/s, gain margin 12.04 dB at 3.14159 rad/s"
+    )
+    gains = {"kp": 0.5, "kd": 0.25, "filter_pole": 2.0}  # at dt = 1: 0.5 + 0.25 (z - 1)/z
+    pd = Sampled(num=[0.75, -0.25], den=[1, 0], dt=1.0)
+    told = measure(INTEGRATOR, pd, gains=gains, setpoint_weight=0.75, derivative_weight=0)
+    assert "  reference weighted by b = 0.75, c = 0" in told.report().splitlines()
+    assert "weighted" not in measure(INTEGRATOR, pd, gains=gains).report()
 
 
 def test_a_table_is_no_model():

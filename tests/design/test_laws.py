@@ -14,6 +14,7 @@ from mpmath import mp
 
 from zoh.design import first_order, p, pid
 from zoh.design import pi as pi_law
+from zoh.design.target import Target
 from zoh.errors import Infeasible, SpecError
 from zoh.lti.systems import Sampled
 from zoh.spec import Crossover
@@ -166,24 +167,95 @@ def test_pd_by_hand():
     assert got.controller().den == (1.0, 0.0)  # no integrator
 
 
-@given(plants, shares, margins, st.floats(0, 3))
-def test_pid_is_where_it_was_asked_to_be_or_says_why_not(plant, share, pm_deg, k):
+@pytest.mark.parametrize("ki", [0.0, 3.0])
+def test_a_pid_with_a_pole_of_its_own_is_built_with_it(ki):
+    # dt = 2: w = (z - 1)/(z + 1); at z = 3, 5/3 and -3 that is 1/2, 1/4 and 2
+    law = pid.PID(kp=2.0, ki=ki, kd=0.75, filter_pole=0.5, dt=2.0)
+    made = law.controller()
+    for z, w in ((3, 0.5), (5 / 3, 0.25), (-3, 2)):
+        told = 2 + ki / w + 0.75 * w / (1 + 2 * w)
+        assert in_powers(made.num, z) / in_powers(made.den, z) == pytest.approx(told, rel=1e-14)
+    assert len(made.den) == (3 if ki else 2)
+
+
+@pytest.mark.parametrize(
+    ("theta", "tau", "low", "high"),
+    [
+        # v = 2, |G| = 1/2, v/|G| = 4; x = 2 tau
+        (30, 0.5, 0, 2 * sqrt(3) - 2),
+        (-30, 0.5, 2, 2 * sqrt(3) + 2),
+        (-60, 0.25, 2 * sqrt(3), 4 + 2 * sqrt(3)),
+        (-30, 0.0, 2, inf),
+    ],
+)
+def test_the_room_of_an_integral_by_hand(theta, tau, low, high):
+    target = Target(v=2.0, size=0.5, theta=radians(theta), dt=1.0)
+    assert pid.room(target, tau) == pytest.approx((low, high), rel=1e-14)
+
+
+def test_a_room_that_holds_no_float_is_none():
+    # at x = 1e17 and -45 deg: sqrt(1/2) to sqrt(1/2) + 7e-18, where floats are 1e-16 apart
+    assert pid.room(Target(v=1.0, size=1.0, theta=-pi / 4, dt=1.0), 1e17) is None
+    assert pid.room(Target(v=1.0, size=1.0, theta=-pi / 2, dt=1.0), 1.0) is None  # an end
+    assert pid.room(Target(v=1.0, size=1.0, theta=pi / 4, dt=1.0), 1.0) is None  # the other
+
+
+def with_a_pole(plant, spec, pole):
+    """Return (v, x, filter_pole): the derivative's pole at ``pole`` v, the usual one for None."""
+    v = 2 / plant.dt * sin(spec.wc * plant.dt / 2) / cos(spec.wc * plant.dt / 2)
+    return (v, v * plant.dt / 2, None) if pole is None else (v, 1 / pole, pole * v)
+
+
+@given(plants, shares, margins, st.floats(0, 3), st.none() | st.floats(0.1, 10))
+def test_pid_is_where_it_was_asked_to_be_or_says_why_not(plant, share, pm_deg, k, pole):
     spec = asked(plant, share, pm_deg)
     size, theta = needed(plant, spec)
-    v = 2 / plant.dt * sin(spec.wc * plant.dt / 2) / cos(spec.wc * plant.dt / 2)
-    x, ki = v * plant.dt / 2, k * v / size
+    v, x, filter_pole = with_a_pole(plant, spec, pole)
+    ki = k * v / size
     # the two equations, solved here as they stand: real and imaginary part of D(jv)
     kd = (sin(theta) / size + ki / v) * (1 + x * x) / v
     kp = cos(theta) / size - kd * v * x / (1 + x * x)
     assume(min(abs(kp * size), abs(kd * v * size)) > 1e-9)  # on the edge rounding decides
+    got = pid.solve(plant, spec, ki, filter_pole, any_sign=True)
+    assert (got.kp, got.kd) == pytest.approx((kp, kd), rel=1e-6)  # 1e-9 from the edge
+    assert got.filter_pole == (filter_pole or 2 / plant.dt)
     if kp > 0 and kd > 0:
-        got = pid.solve(plant, spec, ki)
-        assert (got.kp, got.kd) == pytest.approx((kp, kd), rel=1e-6)  # 1e-9 from the edge
+        assert pid.solve(plant, spec, ki, filter_pole) == got
         assert_on_target(got, plant, spec)
     else:
         with pytest.raises(Infeasible) as refused:
-            pid.solve(plant, spec, ki)
+            pid.solve(plant, spec, ki, filter_pole)
         assert refused.value.needed_deg == pytest.approx(degrees(theta), abs=1e-9)
+
+
+@given(plants, shares, margins, st.floats(0.1, 20), st.none() | st.floats(0.1, 10))
+def test_a_pid_of_a_ratio_of_times_has_it_on_target_or_says_why_not(
+    plant, share, pm_deg, ratio, pole
+):
+    spec = asked(plant, share, pm_deg)
+    _, theta = needed(plant, spec)
+    _, x, filter_pole = with_a_pole(plant, spec, pole)
+    ends = (-pi / 2, pi / 2 - atan(x))  # where kp, and ki or kd, vanish and have few digits
+    assume(min(abs(theta - end) for end in ends) > 0.01)
+    if ends[0] < theta < ends[1]:
+        got = pid.solve_ratio(plant, spec, ratio, filter_pole)
+        assert got.filter_pole == (filter_pole or 2 / plant.dt)
+        # 1e-6: one of the gains may be 1e-4/(ratio (1 + x^2)) of the others, and a difference
+        assert got.kp**2 / (got.ki * got.kd) == pytest.approx(ratio, rel=1e-6)
+        assert_on_target(got, plant, spec)
+    else:
+        with pytest.raises(Infeasible) as refused:
+            pid.solve_ratio(plant, spec, ratio, filter_pole)
+        assert refused.value.needed_deg == pytest.approx(degrees(theta), abs=1e-9)
+
+
+def test_a_pid_of_a_ratio_that_hardly_integrates_has_it_all_the_same():
+    # theta = 90 deg - 1e-3 rad, a pole far above: kp = sqrt(2)/1000, ki = 7e-7 beside kd = 0.7
+    spec = Crossover(wc=pi / 2, pm_deg=135 - degrees(1e-3))
+    got = pid.solve_ratio(INTEGRATOR, spec, 4.0, 1e9)
+    assert got.kp == pytest.approx(sqrt(2) * sin(1e-3), rel=1e-5)  # x = 2e-9 takes 2e-6 of it
+    # 1e-7: ki is a difference of 3.5e-7 of numbers near sqrt(2)
+    assert got.kp**2 / (got.ki * got.kd) == pytest.approx(4.0, rel=1e-7)
 
 
 # lag and lead ----------------------------------------------------------------------------------

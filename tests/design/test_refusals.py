@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import zoh
-from zoh.design import first_order, p, pid
+from zoh.design import first_order, leadlag, p, pid
 from zoh.design import pi as pi_law
 from zoh.design.target import ABOVE, BELOW, Opposite, Target, nearest
 from zoh.errors import Infeasible, SpecError
@@ -120,6 +120,30 @@ def test_a_refusal_says_what_the_law_gives_and_what_is_needed(solve, more, pm_de
         solve(INTEGRATOR, at_j(pm_deg), **more)
     assert str(refused.value) == text
     assert refused.value.needed_deg == pytest.approx(pm_deg - 45, abs=1e-12)
+    assert refused.value.needed_gain == pytest.approx(sqrt(2), rel=1e-14)
+    gives = refused.value.gives_deg
+    assert ("turns the phase" in text) == (gives is not None)
+    for end in gives or ():
+        assert f"{end:+.4g}" in text or abs(end) < 1e-7  # a P's interval is open, not empty
+
+
+def test_a_lag_of_a_given_ratio_that_leaves_too_much_gain_is_refused():
+    # wz = 2, r = 2: |lag| = sqrt(2/5), and 4/sqrt 2 of it is above 1: no lead lowers a gain
+    with pytest.raises(Infeasible) as refused:
+        leadlag.solve(INTEGRATOR, at_j(75), dc_gain=4.0, lag_corner=2.0, lag_ratio=2.0)
+    assert str(refused.value) == sentence(
+        "a lead-lag of dc_gain 4", "has a gain above that everywhere", 75, "+30"
+    )
+
+
+def test_a_pid_of_a_ratio_says_which_phases_any_pid_gives():
+    # x = 1: -90 deg to 90 - 45 deg
+    with pytest.raises(Infeasible) as refused:
+        pid.solve_ratio(INTEGRATOR, at_j(100), ti_td=4.0)
+    assert str(refused.value) == sentence(
+        "a PID with positive gains", turns("-90", "+45"), 100, "+55", 90
+    )
+    assert refused.value.gives_deg == pytest.approx((-90, 45), rel=1e-14)
 
 
 def test_the_largest_integral_gain_is_that_of_the_clock():

@@ -64,6 +64,23 @@ def test_the_poles_are_no_larger_than_the_two_largest_terms_together():
     assert held.c == pytest.approx((2 / 8, 0.5 / 4, 0.0), rel=1e-15)
 
 
+def test_a_lag_beside_a_gain_is_told_over_its_leading_coefficient():
+    # (2 s + 5)/(4 s + 8) = 1/2 + (1/4)/(s + 2), at dt 1/2
+    held = Held.of(Plant(num=[2, 5], den=[4, 8]), 0.5)
+    assert (held.low, held.c, held.d) == ((1.0,), (0.125,), 0.5)
+    # (3 s + 1 + 2^-52)/(3 s + 1): what is left beside the gain is 2^-52/3 in every digit
+    held = Held.of(Plant(num=[3, 1 + 2.0**-52], den=[3, 1]), 1.0)
+    assert held.c == pytest.approx((2.0**-52 / 3,), rel=1e-15, abs=0)
+
+
+def test_a_sensor_over_a_leading_coefficient_may_be_no_float():
+    # 1e200/1e-200 is none; 1e200 (1e-300 s + 3e-300)/(1e-200 (s^2 + s + 2)) is 1e100 (s + 3)/...
+    held = Held.of(Plant(num=[1e-300, 3e-300], den=[1e-200, 1e-200, 2e-200], sensor=1e200), 1.0)
+    assert held.low == pytest.approx((2, 1), rel=1e-15)
+    assert held.c == pytest.approx((3e100, 1e100), rel=1e-15)
+    assert held.d == 0
+
+
 PLANTS = {
     "two lags and a gain": Plant(num=[1, 5, 7], den=[1, 3, 2], sensor=0.5),
     "arm": Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180),
@@ -128,7 +145,7 @@ def test_series_in_fifty_digits(plant, dt, t):
     assert float(max(rest)) < 1e-14 * size
 
 
-@pytest.mark.parametrize("span", [0.01, 0.25, 1.0])
+@pytest.mark.parametrize("span", [0.01, 0.05, 0.25, 1.0])
 def test_as_many_terms_as_count(span):
     terms = LAG.terms(span) - 1  # beside one for the state
     turn = 1.5 * span
@@ -169,6 +186,17 @@ def test_a_mode_that_is_over_is_not_cut():
     assert len(found) < 40
     slow = Held.of(Plant(num=[1], den=[1, 1001.0, 1000.0, 0.0]), 1.0)._stretches(1.0)
     assert len(slow) == len(found)  # slow poles and integrators cut nothing
+
+
+def test_a_mode_that_is_over_is_not_cut_in_a_part_of_a_sample_either():
+    # 1e4 rad a sample, half a sample: over doubles with every stretch from 2 on, 2, 4 ... 256, and
+    # 28 log(5e3) = 238 is what the powers of the longest series need: from 256 on there is one
+    begins = [a for a, _ in Held.of(Plant(num=[1], den=[1, 1e4]), 1.0)._stretches(0.5)]
+    over = 1e4 * np.array(begins) - 40
+    assert over[-2:] == pytest.approx([128, 256], rel=1e-9)
+    # of 1.5e4 rad the series of 27 powers and one for the state takes 28 log(1.5e4) = 269
+    begins = [a for a, _ in Held.of(Plant(num=[1], den=[1, 1.5e4]), 1.0)._stretches(1.0)]
+    assert 1.5e4 * begins[-1] - 40 == pytest.approx(512, rel=1e-9)
 
 
 def test_too_many_stretches_are_none():

@@ -282,6 +282,14 @@ def test_a_typed_delay_comes_back_as_dead_time(method):
     assert discretise(plant, 0.1, method).den == pytest.approx((1, -0.5, 0, 0), rel=1e-14)
 
 
+def test_a_pole_that_has_vanished_within_a_sample_is_a_delay():
+    # 1/(s + 1000) at dt = 1: 1 - exp(-1000) is 1 in floats, and its hold 0.001/z
+    held = discretise(Plant(num=[1], den=[1, 1000.0]), 1.0, "zoh")
+    assert (held.num, held.den) == ((0.001,), (1.0, 0.0))
+    back = undiscretise(held, "zoh")
+    assert (back.num, back.den, back.dead_time) == ((0.001,), (1.0,), 1.0)
+
+
 def test_refuses_what_is_no_sampled_system_and_no_method():
     with pytest.raises(SpecError, match=r"system must be a zoh\.Sampled"):
         undiscretise(Plant(num=[1], den=[1, 1]), "zoh")

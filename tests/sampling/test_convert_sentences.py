@@ -88,6 +88,11 @@ THERE = [
 
 def test_every_method_says_what_it_preserves():
     assert METHODS == PRESERVED
+    for method in set(METHODS) - {"tustin", "prewarp"}:  # and says so where it is misunderstood
+        with pytest.raises(SpecError) as refused:
+            discretise(LAG, 0.1, method, prewarp=1.0)
+        why = f"method {method!r} ({PRESERVED[method]}) has no such frequency"
+        assert refused.value.way_out == why
 
 
 @pytest.mark.parametrize(("asked", "text"), THERE)
