@@ -3,13 +3,13 @@
 from math import inf, pi, sqrt
 
 import pytest
-from mpmath import mp, mpf
+from mpmath import mp, mpc, mpf
 
 from zoh.analysis import margins as room
 from zoh.analysis import stretches
 from zoh.analysis.loop import Loop
 from zoh.analysis.margin_crossings import margin_deg
-from zoh.analysis.margins import glance, margins, measure_loop
+from zoh.analysis.margins import glance, margins, measure_loop, nearest_crossing
 from zoh.analysis.tabled.margins import table_margins
 from zoh.errors import SpecError
 from zoh.lti.frequency_response import FrequencyResponse
@@ -121,6 +121,15 @@ def test_beyond_floats_it_is_one_clear_line(delay):
             look(loop)
 
 
+def test_a_crossing_beyond_floats_is_one_clear_line_too():
+    far = Loop.of(Sampled.from_w(num_w=(0.0, 1e300), den_w=(1e-300, 1e300), dt=1.0, delay=20))
+    with pytest.raises(SpecError) as told:
+        nearest_crossing(far)
+    assert told.value.argument == "L"
+    assert told.value.value == [*far.num, *far.den]
+    assert told.value.way_out
+
+
 def test_a_loop_that_is_real_everywhere():
     """-2/(1 - s^2) is -2/(1 + w^2): a gain of 1/2 closes it onto -1 at rest, none needs be at 1."""
     found = measure_loop(Loop.of(Plant(num=[2], den=[1, 0, -1])))
@@ -218,3 +227,30 @@ def test_the_margins_of_a_table_are_those_of_tables():
     table = FrequencyResponse(w=w, magnitude=[1 / x for x in w], phase_deg=[-90.0] * 5)
     assert margins(table) == table_margins(table)
     assert margins(table).crossover == pytest.approx(1.0, rel=1e-12)
+
+
+def test_beside_a_mode_without_damping_a_margin_has_its_digits():
+    """g/((s^2 + 1) (s + 2)) behind its hold of 1/2 s, beside j: floats in w turn L by 1e-8 deg."""
+    gain, dt = 1e-7, 0.5
+    plant = Plant.zpk(zeros=[], poles=[1j, -1j, -2.0], gain=gain)
+    found = measure_loop(Loop.of(sample(plant, dt)))
+    assert len(found.gain_crossings) == 2
+    with mp.workdps(50):
+        poles = [mpc(0, 1), mpc(0, -1), mpc(-2)]
+        parts = [
+            (mpf(gain) / (p * mp.fprod(p - q for q in poles if q != p)), mp.exp(p * dt))
+            for p in poles
+        ]
+
+        def held_at(w):
+            back = mp.expj(-w * dt)
+            return mpf(gain) / 2 + sum(r * (1 - back) / (1 - e * back) for r, e in parts)
+
+        for w, pm in found.gain_crossings:
+            away = mpf(w) - 1
+            true = 1 + mp.findroot(
+                lambda x: mp.log(abs(held_at(1 + x))), (away * 0.999, away * 1.001),
+                solver="anderson", tol=1e-60,
+            )  # fmt: skip
+            assert w == pytest.approx(float(true), rel=1e-12)
+            assert pm == pytest.approx(float(mp.degrees(mp.arg(-held_at(true)))), abs=1e-9)

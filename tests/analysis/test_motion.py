@@ -201,3 +201,33 @@ def test_a_motion_that_outgrows_floats_is_refused_in_one_line_and_without_a_warn
         pytest.raises(zoh.SpecError, match=r"followed in 64-bit floats, .*: use fewer sections"),
     ):
         zoh.pid(arm, dt=0.1, wc=1.0, pm_deg=40, ki=0.3, sections=notches)
+
+
+def coupled(coupling, effort=None):
+    """Return two modes 0.9 of which the second drives the first: S^2 holds 1.8 times ``coupling``.
+
+    Both come to rest.
+    """
+    return Motion(
+        dt=1.0, delta=np.array([[-0.1, coupling], [0.0, -0.1]]), start=np.array([0.0, 1.0]), own=2,
+        output=np.ones(2), effort=effort, stretches=(),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("effort", "named"), [(None, "system"), (np.ones(2), "controller")])
+def test_what_is_refused_is_what_was_given_and_says_how_many_states_it_has(effort, named):
+    with (
+        warnings.catch_warnings(action="error", category=RuntimeWarning),
+        pytest.raises(zoh.SpecError) as told,
+    ):
+        coupled(1.5e308, effort).track()
+    assert told.value.argument == named
+    assert str(told.value.value).startswith("2 states")
+    assert told.value.way_out
+
+
+def test_what_floats_hold_is_followed():
+    """A chain of two: k z^(k-1) coupling."""
+    track = coupled(1e300).track()
+    wanted = 1e300 * track.k * 0.9 ** (track.k - 1.0)
+    assert track.states[0] == pytest.approx(wanted, rel=1e-11, abs=1e288)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import zoh
+from zoh.analysis import motion
 from zoh.analysis.closed import closed_loop, followable
 from zoh.analysis.curves import trace
 from zoh.analysis.step import closed_loop_step, step_info
@@ -271,3 +272,37 @@ def test_the_peak_of_a_plant_upside_down_is_a_size():
     assert got.peak == pytest.approx(-lowest, rel=1e-12)
     twice = closed_loop_step(plant, half, reference=-2.0)
     assert twice.peak == pytest.approx(2 * got.peak, rel=1e-15)
+
+
+@pytest.mark.parametrize("late", [-0.5, "0.1", None])
+def test_a_delay_that_is_none_is_refused_by_its_name(late):
+    for ask in (closed_loop_step, closed_loop):
+        with pytest.raises(SpecError) as told:
+            ask(INTEGRATOR, HALF, compute_delay=late)
+        assert told.value.argument == "compute_delay"
+        assert told.value.value == late
+        assert "0 or more" in told.value.way_out
+
+
+def test_in_its_band_but_not_at_rest_is_not_settled(monkeypatch):
+    """1 - 2^-k beside a swing of a hundredth that lives for a million samples: in 2 % from k = 7.
+
+    Of what is followed for 500 samples alone nobody knows whether it stays there.
+    """
+    size, angle = 1 - 1e-6, 0.7
+    swing = np.array([1.0, -2 * size * cos(angle), size * size])
+    num = np.polyadd(np.polymul([0.5], swing), 0.01 * np.polymul([1.0, -1.0, 0.0], [1.0, -0.5]))
+    system = Sampled(num=num, den=np.polymul(swing, [1.0, -0.5]), dt=1.0)
+    monkeypatch.setattr(motion, "_MOST", 500)
+    got = step_info(system)
+    assert got.horizon < 1000
+    assert got.settling_time is None
+    assert got.settling == f"not at rest by {got.horizon:.4g} s"
+
+
+def test_what_is_at_rest_but_for_less_than_a_float_tells_is_not_in_its_band():
+    """(s + 1e-15)/(s + 1)^2: t exp(-t) beside 1e-15, and within 2e-17 of it after 42 s alone."""
+    got = step_info(Plant(num=[1.0, 1e-15], den=[1.0, 2.0, 1.0]))
+    assert got.horizon < 42
+    assert got.final_value == pytest.approx(1e-15, rel=1e-12, abs=0)
+    assert got.settling_time is None
