@@ -5,9 +5,11 @@ from math import atan2, cos, hypot, log, pi, sin
 
 import numpy as np
 import pytest
+from mpmath import mp, mpf
 
 import zoh
 from zoh.analysis import motion as room
+from zoh.analysis.closed import autonomous, continuous
 from zoh.analysis.motion import Motion
 
 
@@ -231,3 +233,59 @@ def test_what_floats_hold_is_followed():
     track = coupled(1e300).track()
     wanted = 1e300 * track.k * 0.9 ** (track.k - 1.0)
     assert track.states[0] == pytest.approx(wanted, rel=1e-11, abs=1e288)
+
+
+def test_what_has_all_but_died_has_its_digits():
+    """0.7^k to the last: beside a slow one 1 + S would be a rounding of what is left."""
+    quick = of(0.7)
+    states = quick.run(np.array([1.0]), 200, 0, -log(0.7))
+    assert states[0] == pytest.approx([0.7**k for k in range(200)], rel=1e-13, abs=0)
+    every_fourth = quick.run(np.array([1.0]), 50, 2, -log(0.7))
+    assert every_fourth[0] == pytest.approx([0.7 ** (4 * k) for k in range(50)], rel=1e-13, abs=0)
+
+
+def test_what_hardly_moves_has_its_digits_where_its_rate_is_not_known():
+    """(1 + s)^k, s = -1e-9/3: 1 + s itself has lost half of s."""
+    s = -1e-9 / 3
+    slow = Motion(
+        dt=1.0, delta=np.array([[s]]), start=np.ones(1), own=1, output=np.ones(1), effort=None,
+        stretches=(),
+    )  # fmt: skip
+    states = slow.run(slow.start, 4097)
+    with mp.workdps(40):
+        wanted = float((1 + mpf(s)) ** 4096)
+    assert states[0, -1] == pytest.approx(wanted, rel=1e-14, abs=0)
+
+
+def test_nothing_waits_in_a_system_by_itself():
+    assert autonomous(zoh.Sampled(num=[0.5], den=[1, -0.5, 0, 0], dt=1.0)).wait == 0
+    assert continuous(zoh.Plant(num=[1], den=[1, 1], dead_time=100.0), 1.0).wait == 0
+
+
+@pytest.mark.parametrize("z", [0.7, 0.05, -0.9])
+def test_what_dies_is_shown_with_its_digits_to_the_last_and_known_no_further(z):
+    track = of(z).track()
+    assert track.states[0] == pytest.approx(z ** track.k.astype(float), rel=1e-12, abs=0)
+    assert track.horizon == track.k[-1]
+
+
+@pytest.mark.parametrize("quick", [0.5, 8.5e-3])
+def test_a_mode_alone_in_its_band_is_known_to_a_ten_billionth_but_not_shown(quick):
+    """1 - exp(-k/1000)/100 - exp(-quick k): the last of it is gone when it is exp(-36)."""
+    slow = 1e-3
+    lone = Motion(
+        dt=1.0, delta=np.diag([np.expm1(-slow), np.expm1(-quick), 0.0]), start=np.ones(3), own=2,
+        output=np.array([-0.01, -1.0, 1.0]), effort=None, stretches=(),
+    )  # fmt: skip
+    track = lone.track(1.0)
+    assert track.states[0] == pytest.approx(np.exp(-slow * track.k), rel=1e-9)
+    assert 36 / quick <= track.k[-1] <= 36 / quick + 100  # what is shown last is the slow one alone
+    assert isinstance(track.horizon, int)
+    assert log(1e10) <= slow * track.horizon <= 1.2 * log(1e10)  # a stride is a quarter at most
+    assert track.rests
+
+
+def test_a_mode_that_changes_sides_at_every_sample_is_shown_at_every_one():
+    track = of(-(1 - 1e-3)).track()
+    assert len(track.k) > 20_000
+    assert (np.diff(track.k) == 1).all()

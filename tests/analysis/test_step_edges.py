@@ -306,3 +306,10 @@ def test_what_is_at_rest_but_for_less_than_a_float_tells_is_not_in_its_band():
     assert got.horizon < 42
     assert got.final_value == pytest.approx(1e-15, rel=1e-12, abs=0)
     assert got.settling_time is None
+
+
+def test_a_mode_alone_that_starts_on_the_other_side_is_followed():
+    """(1.5 - z)/(z - 0.5): 1 - 2 2^-k, so -1, 0, 1/2, 3/4, 7/8, 15/16, 31/32, 63/64."""
+    got = step_info(Sampled(num=[-1.0, 1.5], den=[1.0, -0.5], dt=1.0))
+    assert (got.rise_time, got.settling_time) == (3.0, 7.0)
+    assert got.undershoot_pct == pytest.approx(100.0, rel=1e-14)
