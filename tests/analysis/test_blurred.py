@@ -202,9 +202,9 @@ def test_each_figure_by_itself_asks_for_more_digits():
     """At j den is j a, of terms 2 + a, and d ln L/dv = -1 - 2j/a.
 
     So L is off by 2/a units there, the phase of a crossing by 2/a times that, and its gain by
-    hardly more. At a = 1e-3 that is 2.2e-13, 2.5e-8 deg and 2.2e-13; at 1e-9 L is off by 2.2e-7.
+    hardly more. At a = 3e-4 that is 7.4e-13, 2.8e-7 deg and 7.4e-13; at 1e-9 L is off by 2.2e-7.
     """
-    damped, w = resonance(1e-3)
+    damped, w = resonance(3e-4)
     nothing = without_figures(damped)
     assert is_blurred(damped, replace(nothing, gain_crossings=((w, 0.0),)), [])
     assert not is_blurred(damped, replace(nothing, phase_crossings=((w, 1.0),)), [])
