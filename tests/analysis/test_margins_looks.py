@@ -2,6 +2,7 @@
 
 from math import inf, pi, sqrt
 
+import numpy as np
 import pytest
 from mpmath import mp, mpc, mpf
 
@@ -302,7 +303,7 @@ def test_what_rounding_in_w_may_have_moved_is_said_with_the_margins():
     assert "next to the axis" in said
 
 
-@pytest.mark.parametrize("m", [3, 5])
+@pytest.mark.parametrize("m", [3, 7])
 def test_what_is_shared_on_the_circle_is_seen_past_some_samples_late(m):
     """(z^2 - z/2 + 1) shared, by z^-m/2 over z - 1/2."""
     late = [0] * m
@@ -345,5 +346,15 @@ def test_a_peak_that_is_approached_for_ever_is_at_infinity():
 def test_a_loop_that_runs_through_minus_one_has_no_distance_to_it():
     """6/(s (s + 1) (s + 2)) at sqrt(2)."""
     found = measure_loop(Loop.of(Plant(num=[6], den=[1, 3, 2, 0])))
+    assert (found.modulus_margin, found.disk_margin, found.mt) == (0.0, 0.0, inf)
+    assert found.ms_frequency == pytest.approx(sqrt(2), rel=1e-12)
+
+
+def test_beside_a_needle_it_has_no_distance_either():
+    """The same times N/D, D = (s^2 + 2^-20 s + 49) (s + 1), N = D - 2^-10 s (s^2 + 2): 1 there."""
+    under = np.polymul([1.0, 2.0**-20, 49.0], [1.0, 1.0])
+    over = under - 2.0**-10 * np.array([1.0, 0.0, 2.0, 0.0])
+    loop = Plant(num=6 * over, den=np.polymul([1.0, 3.0, 2.0, 0.0], under))
+    found = measure_loop(Loop.of(loop))
     assert (found.modulus_margin, found.disk_margin, found.mt) == (0.0, 0.0, inf)
     assert found.ms_frequency == pytest.approx(sqrt(2), rel=1e-12)
