@@ -10,7 +10,7 @@ import zoh
 from zoh.analysis import motion
 from zoh.analysis.closed import closed_loop, followable
 from zoh.analysis.curves import trace
-from zoh.analysis.step import closed_loop_step, step_info
+from zoh.analysis.step import closed_loop_step, gains_at_rest, step_info
 from zoh.errors import SpecError
 from zoh.lti.systems import Plant, Sampled
 from zoh.sampling.hold import MAX_DELAY
@@ -244,14 +244,18 @@ def test_the_first_of_very_many_crests_is_the_highest(zeta):
         ([1], [1e-320, 1]),  # a pole at -1e320 rad/s
         ([1], [1, 1e-320]),  # one whose time constant is no float
         ([1e300], [1e-320, 1e-320]),  # a gain of 1e620
+        ([1.7e308], [1, 0.01, 1]),  # one that floats hold, but not its first crest
     ],
 )
 def test_a_plant_beyond_floats_is_refused_in_one_line_and_without_a_warning(num, den):
     with (
         warnings.catch_warnings(action="error"),
-        pytest.raises(SpecError, match=r"^system must have rates and gains that 64-bit floats can"),
+        pytest.raises(SpecError, match=r"^system must have rates and gains that 64-bit") as told,
     ):
         step_info(Plant(num=num, den=den))
+    assert all(repr(float(c)) in str(told.value.value) for c in (*num, *den))
+    assert told.value.way_out.startswith("count time")
+    assert told.value.way_out.endswith("unit")
 
 
 def test_the_least_floats_are_a_plant_as_any_other():
@@ -313,3 +317,36 @@ def test_a_mode_alone_that_starts_on_the_other_side_is_followed():
     got = step_info(Sampled(num=[-1.0, 1.5], den=[1.0, -0.5], dt=1.0))
     assert (got.rise_time, got.settling_time) == (3.0, 7.0)
     assert got.undershoot_pct == pytest.approx(100.0, rel=1e-14)
+
+
+def test_a_fast_lag_is_followed_in_its_own_time():
+    """1000/(s + 1000): a ten billionth is left after 23 ms."""
+    got = step_info(Plant(num=[1000], den=[1, 1000]))
+    assert log(1e10) <= 1000 * got.horizon <= 3 * log(1e10)
+    assert got.rise_time == pytest.approx(log(9) / 1000, rel=1e-12)
+
+
+def test_a_feedforward_adds_its_answer():
+    """1/(s + 1) at dt = ln 2 under u = (r - y)/2 + r: y(k+1) = 3/4 + y(k)/4, so 1 - 4^-k."""
+    plant, dt = Plant(num=[1], den=[1, 1]), log(2)
+    half, ahead = (Sampled(num=[gain], den=[1], dt=dt) for gain in (0.5, 1.0))
+    got = closed_loop_step(plant, half, feedforward=ahead)
+    assert got.final_value == pytest.approx(1.0, rel=1e-14)
+    assert (got.rise_time, got.settling_time) == pytest.approx((dt, 3 * dt), rel=1e-14)
+    assert (got.peak_effort, got.peak_effort_time) == (pytest.approx(1.5, rel=1e-14), 0.0)
+    assert got.effort_range == pytest.approx((1.0, 1.5), rel=1e-14)
+
+
+def test_the_largest_effort_may_be_below_zero():
+    """-1/(s + 1) under -1/2, dt = ln 2: u begins at -1/2 and ends at -1/3."""
+    got = closed_loop_step(Plant(num=[-1], den=[1, 1]), Sampled(num=[-0.5], den=[1], dt=log(2)))
+    assert (got.peak_effort, got.peak_effort_time) == (0.5, 0.0)
+    assert got.final_value == pytest.approx(1 / 3, rel=1e-14)
+
+
+def test_a_feedforward_of_its_own_poles_counts_with_its_gain_at_rest():
+    """(z^2 + 1)/(z^2 - z + 1/2) is 4 at z = 1: y = u = (1/2 + 4)/(1 + 1/2) of 1/(s + 1)."""
+    half = Sampled(num=[0.5], den=[1], dt=0.25)
+    ahead = Sampled(num=[1, 0, 1], den=[1, -1, 0.5], dt=0.25)
+    found = gains_at_rest(Plant(num=[1], den=[1, 1]), half, ahead)
+    assert found == pytest.approx((3.0, 3.0), rel=1e-14)
