@@ -350,3 +350,11 @@ def test_a_feedforward_of_its_own_poles_counts_with_its_gain_at_rest():
     ahead = Sampled(num=[1, 0, 1], den=[1, -1, 0.5], dt=0.25)
     found = gains_at_rest(Plant(num=[1], den=[1, 1]), half, ahead)
     assert found == pytest.approx((3.0, 3.0), rel=1e-14)
+
+
+@pytest.mark.parametrize("most", [1, 4])
+def test_what_is_not_followed_to_nine_tenths_has_no_rise(monkeypatch, most):
+    """1 - 2^-k is 0, 1/2, 3/4 and 7/8 in the first four samples."""
+    monkeypatch.setattr(motion, "_MOST", most)
+    got = step_info(Sampled(num=[0.5], den=[1, -0.5], dt=1.0))
+    assert (got.rise_time, got.settling_time) == (None, None)
