@@ -75,6 +75,7 @@ TESTS |= {
     "analysis/newton": _named("newton", "sharp", "sparse"),
     "analysis/blurred": _named("blurred"),
     "analysis/responses": _named("responses", "step"),
+    "analysis/step": _named("step", "motion", "waveform"),
     "analysis/waveform": _named("waveform", "step", "motion", "pieces", "realised"),
     "design/sections": ["tests/test_sections.py", "src/zoh/design"],
     "lti/given": [

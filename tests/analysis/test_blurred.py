@@ -1,18 +1,28 @@
 """Where the rounding of a made loop's coefficients moves a margin, and that it is said."""
 
 from dataclasses import replace
-from math import degrees, inf
+from math import atan, degrees, inf
 
 import pytest
 from mpmath import mp, mpf
 
 from zoh.analysis import blurred
-from zoh.analysis.blurred import _off, _part, blurs
+from zoh.analysis.blurred import (
+    _off,
+    _part,
+    _peak_off,
+    _roots,
+    _undamped,
+    blurs,
+    is_blurred,
+    next_to_the_axis,
+)
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import margins, measure_loop
 from zoh.errors import AccuracyWarning
 from zoh.laws import lead
 from zoh.lti.systems import Plant, Sampled
+from zoh.lti.wplane import warp
 from zoh.sampling.hold import sample
 
 
@@ -156,3 +166,133 @@ def test_the_margins_of_a_lead_on_an_integrator_of_five_modes():
         dc_gain=0.5493424015953792,
     )  # fmt: skip
     assert found.margins.phase_margin_deg == pytest.approx(61.368872295224286, rel=1e-9)
+
+
+def without_figures(loop):
+    """Return margins of no crossing and of peaks at rest alone."""
+    return replace(
+        measure_loop(loop), gain_crossings=(), phase_crossings=(), ms_frequency=0.0,
+        mt_frequency=0.0, disk_frequency=0.0,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("dt", [1e-6, 0.5])
+def test_a_place_beside_a_mode_where_nothing_was_found_is_asked_too(dt):
+    """w^2 + 1e-13 W w + W^2 at W: terms of 2 W^2 over 1e-13 W^2, so 20 units of 2^-53 in 1e-12."""
+    corner = 4096.0  # corner/dt is beyond the end of the axis at 1e-6 s, corner dt is not
+    loop = Loop.of(
+        Sampled.from_w(num_w=[1e-20], den_w=[1, 1e-13 * corner, corner**2], dt=dt),
+    )
+    nothing = without_figures(loop)
+    assert _part(loop, corner) == pytest.approx(A_ROUNDING * (1 + 2e13), rel=1e-9)
+    assert is_blurred(loop, nothing, [corner])
+    assert is_blurred(loop, nothing, [corner / 3, corner])
+    assert not is_blurred(loop, nothing, [corner / 3])
+    assert not is_blurred(loop, nothing, [])
+    assert not is_blurred(loop, nothing, [2e9 / dt])  # the end of the axis, where L is real
+
+
+def resonance(damping):
+    """Return 1e-3/(w^2 + damping w + 1), dt 1/2, and the frequency at which w is j."""
+    loop = mode(damping, 1e-3)
+    return loop, 4 * atan(0.25)
+
+
+def test_each_figure_by_itself_asks_for_more_digits():
+    """At j den is j a, of terms 2 + a, and d ln L/dv = -1 - 2j/a.
+
+    So L is off by 2/a units there, the phase of a crossing by 2/a times that, and its gain by
+    hardly more. At a = 3e-4 that is 7.4e-13, 2.8e-7 deg and 7.4e-13; at 1e-9 L is off by 2.2e-7.
+    """
+    damped, w = resonance(3e-4)
+    nothing = without_figures(damped)
+    assert is_blurred(damped, replace(nothing, gain_crossings=((w, 0.0),)), [])
+    assert not is_blurred(damped, replace(nothing, phase_crossings=((w, 1.0),)), [])
+    assert not is_blurred(damped, replace(nothing, mt_frequency=w), [])
+    undamped, w = resonance(1e-9)
+    nothing = without_figures(undamped)
+    assert not is_blurred(undamped, nothing, [])
+    for told in (
+        {"gain_crossings": ((w, 0.0),)},
+        {"phase_crossings": ((w, 1.0),)},
+        {"ms_frequency": w},
+        {"mt_frequency": w},
+        {"disk_frequency": w},
+    ):
+        assert is_blurred(undamped, replace(nothing, **told), [])
+
+
+def test_what_is_meant_as_it_stands_has_all_its_digits():
+    meant = Loop.of(Plant(num=[1e-3], den=[1, 0, 1]))
+    found = replace(measure_loop(meant), gain_crossings=((1.0, 0.0),))
+    assert not is_blurred(meant, found, [1.0])
+
+
+def test_what_is_next_to_the_axis_and_what_is_not():
+    assert next_to_the_axis(mode(1e-9, 1.0)) == [1.0]
+    assert next_to_the_axis(mode(0.1, 1.0)) == []
+    both = Loop.of(Sampled.from_w(num_w=[1, 0, 9], den_w=[1, 1e-9, 4], dt=0.5))
+    assert sorted(next_to_the_axis(both)) == [2.0, 3.0]
+    assert next_to_the_axis(Loop.of(Plant(num=[1], den=[1, 0, 1]))) == []
+    # (w^2 + 1) (w^2 + 4) (w^2 + 9), its even part of three roots
+    three = _undamped((1.0, 0.0, 14.0, 0.0, 49.0, 0.0, 36.0))
+    assert sorted(three) == pytest.approx([1.0, 2.0, 3.0], rel=1e-12)
+    assert _undamped((1.0, 1.0, 0.0, 0.0, 0.0, 1.0)) == ()  # an odd part of w^5 alone
+
+
+@pytest.mark.parametrize(
+    ("a", "roots"),
+    [
+        ((2.0, 4.0), [-2.0]),
+        ((1.0, -0.5), []),
+        ((1e-300, 1e300), []),  # beyond floats
+        ((2.0, 6.0, 4.0), [-2.0, -1.0]),
+        ((1.0, 0.0, 0.0), []),
+        ((1.0, 1e9, -1.0), [-1e9]),  # and 1e-9
+        ((1.0, -1e9, -1.0), [-1e-9]),  # and 1e9
+        ((0.0, 0.0, 1.0, 3.0), [-3.0]),
+        ((1.0, 6.0, 11.0, 6.0), [-3.0, -2.0, -1.0]),
+        ((1.0, 2.0, -1.0, -2.0), [-2.0, -1.0]),  # and 1
+        ((7.0,), []),
+    ],
+)
+def test_the_roots_below_zero_and_no_others(a, roots):
+    assert sorted(_roots(a)) == pytest.approx(roots, rel=1e-12)
+
+
+def test_at_a_root_itself_a_polynomial_is_off_by_all_of_itself():
+    """w^2 + 1 at j: a rounding of its terms, over the least that a float of them tells from 0."""
+    assert _part(mode(0.0, 1.0), 1.0) == pytest.approx(1.0, rel=1e-15)
+
+
+def test_where_the_loop_is_nothing_no_crossing_moves():
+    starts_at_nothing = Loop.of(Sampled.from_w(num_w=[1, 0], den_w=[1, 2], dt=0.5))
+    for turning in (True, False):
+        assert _off(starts_at_nothing, 0.0, turning=turning) == 0.0
+
+
+@pytest.mark.parametrize(("dt", "size"), [(0.5, 1.0), (1e-6, 4096.0)])
+@pytest.mark.parametrize(("gain", "swells"), [(1.2e-7, True), (-1.2e-7, False)])
+def test_the_return_difference_moves_by_l_over_it(dt, size, gain, swells):
+    """|1 + L| by rho |L|, or by rho of itself, in 50 digits: den is -6e-8 there, L -2 or 2."""
+    den = [1.0, 2e-9 * size, size**2]
+    loop = Loop.of(Sampled.from_w(num_w=[gain * size**2], den_w=den, dt=dt))
+    w = 2 / dt * float(mp.atan(size * (1 + 3e-8) * dt / 2))
+    with mp.workdps(50):
+        v = 2 / mpf(dt) * mp.tan(mpf(w) * mpf(dt) / 2)
+        bottom = mp.mpc(mpf(den[2]) - v * v, den[1] * v)
+        part = A_ROUNDING * (1 + (v * v + den[1] * v + den[2]) / abs(bottom))
+        over = abs(loop.num[-1] / (loop.num[-1] + bottom))
+        assert (over > 1.9) is swells
+        expected = part * max(mpf(1), over)
+    # 1e-6: of what is left of den there, floats have 8 digits
+    assert _peak_off(loop, w) == pytest.approx(float(expected), rel=1e-6)
+    assert _peak_off(loop, 0.0) == 0.0  # the ends of the axis, where L is what it is
+    assert _peak_off(loop, 3.141592653589793 / dt) == 0.0
+
+
+def test_where_the_loop_is_minus_one_its_peak_may_be_any():
+    """3/(w^2 + 1) at 2j, to the last bit of the float that is 2 there."""
+    w = 4 * atan(0.5)
+    v = warp(w, 0.5)
+    assert _peak_off(mode(0.0, v * v - 1), w) == inf

@@ -6,6 +6,7 @@ from math import atan, hypot, inf, pi, sqrt, tan
 
 import numpy as np
 import pytest
+from mpmath import mp, mpc, mpf
 
 from zoh.analysis import discs
 from zoh.analysis.discs import _changes, _counted, _keeps_off
@@ -430,3 +431,27 @@ def test_ratios_that_are_all_but_constant(loop, below, value, holds):
 def test_weak_and_loud_loops_with_dead_time_are_certain(num, den, dead_time):
     found = measure_loop(late(num, den, dead_time))
     assert found.certificate.open() == []
+
+
+@pytest.mark.parametrize("dt", [0.5, 2.0, 3.0])
+def test_how_fast_a_delay_turns_beyond_the_last_point(dt):
+    """psi = (2 m) arctan(dt/(2 x)): d psi/dx = -m dt/(x^2 + dt^2/4)."""
+    _, beyond = stretches(samples_late((1.0,), (1.0, 1.0), 3, dt), np.array([1.0]))
+    x = np.array([0.0, 0.1, 0.25, 1.0])
+    assert beyond.psi_slope(x) == pytest.approx(-3 * dt / (x * x + dt * dt / 4), rel=1e-14)
+    step = 1e-6
+    seen = (beyond.psi(x + step) - beyond.psi(x - step)) / (2 * step)
+    assert beyond.psi_slope(x) == pytest.approx(seen, rel=1e-8)  # a difference of 1e-6 has so many
+
+
+def test_a_disc_holds_what_rounding_makes_of_a_long_delay():
+    """exp(-j psi) at psi near 1e6 rad: a float's last bit there is 1e-10 rad."""
+    part, _ = stretches(late([1.0], [1.0], 1e6 / 3), np.array([8.0]))
+    v = np.array([3.0 + i / 97 for i in range(40)])
+    d = part.discs(v, v)
+    with mp.workdps(40):
+        true = [mp.expj(-mpf(1e6 / 3) * mpf(x)) for x in v.tolist()]
+        off = [float(abs(t - mpc(c))) for t, c in zip(true, d.top.tolist(), strict=True)]
+    assert max(off) > 1e-11  # of what is far above a rounding of the size 1
+    assert (np.array(off) <= d.top_radius).all()
+    assert (np.array(off) <= d.top_blur).all()

@@ -11,7 +11,7 @@ import pytest
 from zoh.analysis.axis import scalar
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import measure_loop
-from zoh.analysis.series import out_of_range
+from zoh.analysis.series import These, out_of_range
 from zoh.errors import SpecError
 from zoh.lti.systems import Plant, Sampled
 
@@ -203,3 +203,12 @@ def test_what_is_given_next_to_undamped_is_not_doubted():
     one = Sampled(num=[1], den=[1], dt=0.1)
     for loop in (mode, mode * one):
         assert not [said for said in measure_loop(Loop.of(loop)).warnings if "in w" in said]
+
+
+def test_systems_are_told_apart_by_how_many_they_are():
+    one = Sampled(num=[0.5], den=[1.0, -0.5], dt=0.5)
+    twin = Sampled(num=[0.5], den=[1.0, -0.5], dt=0.5)
+    assert These((one,)) == These((one,))
+    for other in (These(()), These((one, one)), These((twin,)), (one,)):
+        assert These((one,)) != other
+        assert other != These((one,))

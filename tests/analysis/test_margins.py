@@ -537,3 +537,16 @@ def test_a_loop_a_hair_from_its_edge_has_its_bandwidth():
         away = closed(found.bandwidth) / closed(0) / mpf(10) ** mpf("-0.15") - 1
         steep = (closed(found.bandwidth * (1 + 1e-6)) / closed(found.bandwidth) - 1) / 1e-6
         assert abs(away / steep) < REL
+
+
+def test_the_nearest_crossing_in_s_is_where_the_gain_is_one():
+    """5/s: |L| = 1 at 5 rad/s, 90 deg from -1 but for what the dead time turns."""
+    assert nearest_crossing(Loop.of(Plant(num=[5], den=[1, 0]))) == (
+        pytest.approx(5.0, rel=REL),
+        pytest.approx(90.0, abs=DEG),
+    )
+    late = Loop.of(Plant(num=[5], den=[1, 0], dead_time=0.125))
+    assert nearest_crossing(late) == (
+        pytest.approx(5.0, rel=REL),
+        pytest.approx(90 - degrees(0.625), abs=DEG),
+    )

@@ -2,14 +2,15 @@
 
 from math import inf, pi, sqrt
 
+import numpy as np
 import pytest
-from mpmath import mp, mpf
+from mpmath import mp, mpc, mpf
 
 from zoh.analysis import margins as room
 from zoh.analysis import stretches
 from zoh.analysis.loop import Loop
 from zoh.analysis.margin_crossings import margin_deg
-from zoh.analysis.margins import glance, margins, measure_loop
+from zoh.analysis.margins import glance, margins, measure_loop, nearest_crossing
 from zoh.analysis.tabled.margins import table_margins
 from zoh.errors import SpecError
 from zoh.lti.frequency_response import FrequencyResponse
@@ -121,6 +122,15 @@ def test_beyond_floats_it_is_one_clear_line(delay):
             look(loop)
 
 
+def test_a_crossing_beyond_floats_is_one_clear_line_too():
+    far = Loop.of(Sampled.from_w(num_w=(0.0, 1e300), den_w=(1e-300, 1e300), dt=1.0, delay=20))
+    with pytest.raises(SpecError) as told:
+        nearest_crossing(far)
+    assert told.value.argument == "L"
+    assert told.value.value == [*far.num, *far.den]
+    assert told.value.way_out
+
+
 def test_a_loop_that_is_real_everywhere():
     """-2/(1 - s^2) is -2/(1 + w^2): a gain of 1/2 closes it onto -1 at rest, none needs be at 1."""
     found = measure_loop(Loop.of(Plant(num=[2], den=[1, 0, -1])))
@@ -218,3 +228,133 @@ def test_the_margins_of_a_table_are_those_of_tables():
     table = FrequencyResponse(w=w, magnitude=[1 / x for x in w], phase_deg=[-90.0] * 5)
     assert margins(table) == table_margins(table)
     assert margins(table).crossover == pytest.approx(1.0, rel=1e-12)
+
+
+def test_beside_a_mode_without_damping_a_margin_has_its_digits():
+    """g/((s^2 + 1) (s + 2)) behind its hold of 1/2 s, beside j: floats in w turn L by 1e-8 deg."""
+    gain, dt = 1e-7, 0.5
+    plant = Plant.zpk(zeros=[], poles=[1j, -1j, -2.0], gain=gain)
+    found = measure_loop(Loop.of(sample(plant, dt)))
+    assert len(found.gain_crossings) == 2
+    with mp.workdps(50):
+        poles = [mpc(0, 1), mpc(0, -1), mpc(-2)]
+        parts = [
+            (mpf(gain) / (p * mp.fprod(p - q for q in poles if q != p)), mp.exp(p * dt))
+            for p in poles
+        ]
+
+        def held_at(w):
+            back = mp.expj(-w * dt)
+            return mpf(gain) / 2 + sum(r * (1 - back) / (1 - e * back) for r, e in parts)
+
+        for w, pm in found.gain_crossings:
+            away = mpf(w) - 1
+            true = 1 + mp.findroot(
+                lambda x: mp.log(abs(held_at(1 + x))), (away * 0.999, away * 1.001),
+                solver="anderson", tol=1e-60,
+            )  # fmt: skip
+            assert w == pytest.approx(float(true), rel=1e-12)
+            assert pm == pytest.approx(float(mp.degrees(mp.arg(-held_at(true)))), abs=1e-9)
+
+
+@pytest.mark.parametrize("m", [3, 5, 20])
+def test_where_the_gain_is_one_everywhere_the_nearest_crossing_is_where_it_is_minus_one(m):
+    """z^-m is -1 at w = pi/m first."""
+    late = Loop.of(Sampled(num=[1], den=[1, *[0] * m], dt=1.0))
+    assert nearest_crossing(late) == (pytest.approx(pi / m, rel=1e-14), 0.0)
+
+
+def test_so_it_is_beside_a_mode_that_turns_it():
+    """z^-3 (w^2 - a w + 1)/(w^2 + a w + 1): -1 where 3 W and twice the mode's angle are pi."""
+    a = 1e-6
+    passing = Sampled.from_w(num_w=(1, -a, 1), den_w=(1, a, 1), dt=1.0, delay=3)
+    with mp.workdps(40):
+
+        def left(w):
+            v = 2 * mp.tan(w / 2)
+            return 3 * w + 2 * mp.atan2(a * v, 1 - v * v) - mp.pi
+
+        wanted = float(mp.findroot(left, (mpf("0.9272"), mpf("0.9273")), solver="anderson"))
+    assert nearest_crossing(Loop.of(passing)) == (pytest.approx(wanted, rel=1e-12), 0.0)
+
+
+@pytest.mark.parametrize("m", [3, 12])
+def test_the_nearest_crossing_beside_a_mode_has_its_digits(m):
+    """2 a/(w^2 + a w + 1), m samples late: |L| = 1 where (1 - q)^2 = a^2 (4 - q)."""
+    a = 1e-9
+    loop = Loop.of(Sampled.from_w(num_w=(2 * a,), den_w=(1, a, 1), dt=1.0, delay=m))
+    with mp.workdps(50):
+        linear = 2 - mpf(a) ** 2
+        root = mp.sqrt(linear * linear / 4 - 1 + 4 * mpf(a) ** 2)
+        crossings = []
+        for q in (linear / 2 - root, linear / 2 + root):
+            v = mp.sqrt(q)
+            w = 2 * mp.atan(v / 2)
+            pm = mp.degrees(mp.arg(-2 * a / mpc(1 - q, a * v) * mp.expj(-m * w)))
+            crossings.append((float(w), float(pm)))
+    w, pm = min(crossings, key=lambda c: abs(c[1]))
+    assert nearest_crossing(loop) == (pytest.approx(w, rel=1e-14), pytest.approx(pm, abs=1e-9))
+
+
+def test_what_rounding_in_w_may_have_moved_is_said_with_the_margins():
+    """2 a/(w^2 + a w + 1): |L| = 1 where 1 - q is a sqrt(3), and den has 9 digits there."""
+    loop = Loop.of(Sampled.from_w(num_w=[2e-9], den_w=[1, 1e-9, 1], dt=0.5))
+    (said,) = measure_loop(loop).warnings
+    assert "next to the axis" in said
+
+
+@pytest.mark.parametrize("m", [3, 7])
+def test_what_is_shared_on_the_circle_is_seen_past_some_samples_late(m):
+    """(z^2 - z/2 + 1) shared, by z^-m/2 over z - 1/2."""
+    late = [0] * m
+    shared = Sampled(num=[0.5, -0.25, 0.5], den=[1, -1, 1.25, -0.5, *late], dt=1)
+    seen = measure_loop(Loop.of(shared))
+    plain = measure_loop(Loop.of(Sampled(num=[0.5], den=[1, -0.5, *late], dt=1)))
+    assert (seen.stable, plain.stable) == (False, True)
+    assert seen.certificate.holds
+    for name in ("gain_margin", "modulus_margin", "mt", "disk_margin"):
+        assert getattr(seen, name) == pytest.approx(getattr(plain, name), rel=1e-9)
+    for one, other in zip(seen.phase_crossings, plain.phase_crossings, strict=True):
+        assert one == pytest.approx(other, rel=1e-9)
+
+
+def test_a_glance_sees_a_needle():
+    """A resonance that reaches over 1 by a thousandth on a band a millionth of w wide."""
+    zeta, wn, gain = 1e-6, 7.0, 1 + 1e-3
+    needle = Loop.of(Plant(num=[2 * zeta * wn * gain, 0.0], den=[1.0, 2 * zeta * wn, wn**2]))
+    # x = w - wn^2/w = +- 2 zeta wn sqrt(gain^2 - 1)
+    x = 2 * zeta * wn * sqrt(gain**2 - 1)
+    wanted = [sign * x / 2 + sqrt(x * x / 4 + wn * wn) for sign in (-1, 1)]
+    assert [w for w, _ in glance(needle).gain_crossings] == pytest.approx(wanted, rel=1e-12)
+
+
+def test_whatever_is_not_proved_is_listed():
+    loop = Loop.of(Sampled.from_w(num_w=(2e-9,), den_w=(1, 1e-9, 1), dt=1.0, delay=30))
+    found = measure_loop(loop)
+    left = found.certificate.open()
+    assert len(left) > 1
+    assert found.warnings[0].split(": ")[1].split(", ") == left
+
+
+def test_a_peak_that_is_approached_for_ever_is_at_infinity():
+    """|1 + L|^2 = (q + (1 + K)^2)/(q + 1) of K/(s + 1) falls to 1, however small K is."""
+    for k in (1e-14, 1e-3, 10.0):
+        found = measure_loop(Loop.of(Plant(num=[k], den=[1, 1])))
+        assert (found.modulus_margin, found.ms_frequency) == (1.0, inf)
+
+
+def test_a_loop_that_runs_through_minus_one_has_no_distance_to_it():
+    """6/(s (s + 1) (s + 2)) at sqrt(2)."""
+    found = measure_loop(Loop.of(Plant(num=[6], den=[1, 3, 2, 0])))
+    assert (found.modulus_margin, found.disk_margin, found.mt) == (0.0, 0.0, inf)
+    assert found.ms_frequency == pytest.approx(sqrt(2), rel=1e-12)
+
+
+def test_beside_a_needle_it_has_no_distance_either():
+    """The same times N/D, D = (s^2 + 2^-20 s + 49) (s + 1), N = D - 2^-10 s (s^2 + 2): 1 there."""
+    under = np.polymul([1.0, 2.0**-20, 49.0], [1.0, 1.0])
+    over = under - 2.0**-10 * np.array([1.0, 0.0, 2.0, 0.0])
+    loop = Plant(num=6 * over, den=np.polymul([1.0, 3.0, 2.0, 0.0], under))
+    found = measure_loop(Loop.of(loop))
+    assert (found.modulus_margin, found.disk_margin, found.mt) == (0.0, 0.0, inf)
+    assert found.ms_frequency == pytest.approx(sqrt(2), rel=1e-12)

@@ -5,9 +5,11 @@ from math import atan2, cos, hypot, log, pi, sin
 
 import numpy as np
 import pytest
+from mpmath import mp, mpf
 
 import zoh
 from zoh.analysis import motion as room
+from zoh.analysis.closed import autonomous, continuous
 from zoh.analysis.motion import Motion
 
 
@@ -184,11 +186,12 @@ def test_a_motion_without_modes_is_shown_for_a_while():
     assert track.rests
 
 
-def test_the_limit_is_that_of_all_samples_together(monkeypatch):
-    # 1990 samples while the fast one lives, then thousands of the slow one's
-    monkeypatch.setattr(room, "_MOST", 2500)
+@pytest.mark.parametrize("most", [2500, 4000])
+def test_the_limit_is_that_of_all_samples_together(monkeypatch, most):
+    # 3582 samples while the fast one lives, then thousands of the slow one's
+    monkeypatch.setattr(room, "_MOST", most)
     track = of(turning(0.99, 1.0), turning(1 - 1e-6, 1e-4)).track()
-    assert len(track.k) == 2500
+    assert len(track.k) == most
     assert not track.rests
 
 
@@ -201,3 +204,91 @@ def test_a_motion_that_outgrows_floats_is_refused_in_one_line_and_without_a_warn
         pytest.raises(zoh.SpecError, match=r"followed in 64-bit floats, .*: use fewer sections"),
     ):
         zoh.pid(arm, dt=0.1, wc=1.0, pm_deg=40, ki=0.3, sections=notches)
+
+
+def coupled(coupling, effort=None):
+    """Return two modes 0.9 of which the second drives the first: S^2 holds 1.8 times ``coupling``.
+
+    Both come to rest.
+    """
+    return Motion(
+        dt=1.0, delta=np.array([[-0.1, coupling], [0.0, -0.1]]), start=np.array([0.0, 1.0]), own=2,
+        output=np.ones(2), effort=effort, stretches=(),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("effort", "named"), [(None, "system"), (np.ones(2), "controller")])
+def test_what_is_refused_is_what_was_given_and_says_how_many_states_it_has(effort, named):
+    with (
+        warnings.catch_warnings(action="error", category=RuntimeWarning),
+        pytest.raises(zoh.SpecError) as told,
+    ):
+        coupled(1.5e308, effort).track()
+    assert told.value.argument == named
+    assert str(told.value.value).startswith("2 states")
+    assert told.value.way_out
+
+
+def test_what_floats_hold_is_followed():
+    """A chain of two: k z^(k-1) coupling."""
+    track = coupled(1e300).track()
+    wanted = 1e300 * track.k * 0.9 ** (track.k - 1.0)
+    assert track.states[0] == pytest.approx(wanted, rel=1e-11, abs=1e288)
+
+
+def test_what_has_all_but_died_has_its_digits():
+    """0.7^k to the last: beside a slow one 1 + S would be a rounding of what is left."""
+    quick = of(0.7)
+    states = quick.run(np.array([1.0]), 200, 0, -log(0.7))
+    assert states[0] == pytest.approx([0.7**k for k in range(200)], rel=1e-13, abs=0)
+    every_fourth = quick.run(np.array([1.0]), 50, 2, -log(0.7))
+    assert every_fourth[0] == pytest.approx([0.7 ** (4 * k) for k in range(50)], rel=1e-13, abs=0)
+
+
+def test_what_hardly_moves_has_its_digits_where_its_rate_is_not_known():
+    """(1 + s)^k, s = -1e-9/3: 1 + s itself has lost half of s."""
+    s = -1e-9 / 3
+    slow = Motion(
+        dt=1.0, delta=np.array([[s]]), start=np.ones(1), own=1, output=np.ones(1), effort=None,
+        stretches=(),
+    )  # fmt: skip
+    states = slow.run(slow.start, 4097)
+    with mp.workdps(40):
+        wanted = float((1 + mpf(s)) ** 4096)
+    assert states[0, -1] == pytest.approx(wanted, rel=1e-14, abs=0)
+
+
+def test_nothing_waits_in_a_system_by_itself():
+    late = zoh.Sampled(num=[0.5], den=[1, -0.5, 0, 0], dt=1.0)
+    for one in (autonomous(late), continuous(zoh.Plant(num=[1], den=[1, 1], dead_time=9.0), 1.0)):
+        assert one.wait == 0
+        assert one.track().rests
+
+
+@pytest.mark.parametrize("z", [0.7, 0.05, -0.9])
+def test_what_dies_is_shown_with_its_digits_to_the_last_and_known_no_further(z):
+    track = of(z).track()
+    assert track.states[0] == pytest.approx(z ** track.k.astype(float), rel=1e-12, abs=0)
+    assert track.horizon == track.k[-1]
+
+
+@pytest.mark.parametrize("quick", [0.5, 8.5e-3])
+def test_a_mode_alone_in_its_band_is_known_to_a_ten_billionth_but_not_shown(quick):
+    """1 - exp(-k/1000)/100 - exp(-quick k): the last of it is gone when it is exp(-36)."""
+    slow = 1e-3
+    lone = Motion(
+        dt=1.0, delta=np.diag([np.expm1(-slow), np.expm1(-quick), 0.0]), start=np.ones(3), own=2,
+        output=np.array([-0.01, -1.0, 1.0]), effort=None, stretches=(),
+    )  # fmt: skip
+    track = lone.track(1.0)
+    assert track.states[0] == pytest.approx(np.exp(-slow * track.k), rel=1e-9)
+    assert 36 / quick <= track.k[-1] <= 36 / quick + 100  # what is shown last is the slow one alone
+    assert isinstance(track.horizon, int)
+    assert log(1e10) <= slow * track.horizon <= 1.2 * log(1e10)  # a stride is a quarter at most
+    assert track.rests
+
+
+def test_a_mode_that_changes_sides_at_every_sample_is_shown_at_every_one():
+    track = of(-(1 - 1e-3)).track()
+    assert len(track.k) > 20_000
+    assert (np.diff(track.k) == 1).all()

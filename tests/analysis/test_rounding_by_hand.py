@@ -370,3 +370,9 @@ def test_an_end_as_near_to_one_as_its_doubt_is_doubted(monkeypatch):
     positive = Loop.of(Sampled(num=[0.75], den=[1, -0.5], dt=1.0))  # 1.5: near 1 it costs nothing
     monkeypatch.setattr(rounding, "_at_an_end", lambda _, v: -1.0 if v else 1.0)
     assert rounding.doubts(positive, measure_loop(positive)) == ()
+
+
+def test_a_hundred_is_shown_with_its_digits():
+    assert [rounding._shown(x) for x in (9.96, 42.0, 100.0, 1e4, inf)] == [
+        "10", "42", "100", "10000", "any number of",
+    ]  # fmt: skip

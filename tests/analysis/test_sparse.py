@@ -5,9 +5,11 @@ from math import inf, sqrt
 
 import numpy as np
 import pytest
+from mpmath import mp, mpf
 
 from zoh.analysis import newton
 from zoh.analysis.loop import Loop
+from zoh.analysis.margins import measure_loop
 from zoh.analysis.sparse import Sparse, _by_secant, _grid, _polished
 from zoh.analysis.squares import DROP, ON_DEN, ON_NUM, ON_OPPOSITE, Squares
 from zoh.lti.systems import Plant, Sampled
@@ -213,3 +215,25 @@ def test_where_loop_and_polynomial_do_not_agree_the_exact_one_decides():
     for wrong in (5e-4, -5e-4, 1e-9, 0.0):  # from there, or where floats say that it is
         found = _polished(lambda v: v - true * 1.0001, true * (1 + wrong), s, s.gain)
         assert found == pytest.approx(true, rel=3e-16)
+
+
+def test_two_close_crossings_keep_their_digits():
+    """k s/(s^2 + s + 1): |L| = 1 where (1 - q)^2 = (k^2 - 1) q; at k - 1 = 2^-46 |L| is flat."""
+    k = 1 + 2.0**-46
+    plant = Plant(num=[k, 0.0], den=[1.0, 1.0, 1.0])
+    _, seen = look(plant)
+    with mp.workdps(50):
+        e = mpf(k) ** 2 - 1
+        half = 1 + e / 2
+        root = mp.sqrt(half * half - 1)
+        wanted = [float(mp.sqrt(half - root)), float(mp.sqrt(half + root))]
+    assert seen.unities() == pytest.approx(wanted, rel=1e-9, abs=0)  # a first look
+    found = [w for w, _ in measure_loop(Loop.of(plant)).gain_crossings]
+    assert found == pytest.approx(wanted, rel=4e-16, abs=0)
+
+
+def test_two_close_turns_keep_their_digits():
+    """1/den, den = s^5 + s^4 + 2 s^3 + 3 s^2 + (1 - d^2) s + 1: real at q = 1 - d and 1 + d."""
+    d = 2.0**-20
+    _, seen = look(Plant(num=[1.0], den=[1.0, 1.0, 2.0, 3.0, 1 - d * d, 1.0]))
+    assert seen.turns() == pytest.approx([sqrt(1 - d), sqrt(1 + d)], rel=4e-16, abs=0)

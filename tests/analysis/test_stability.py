@@ -10,6 +10,7 @@ from zoh.analysis.certificates import Proof
 from zoh.analysis.loop import Loop
 from zoh.analysis.stability import (
     _none_encircled,
+    _slow_crossover,
     _turns,
     _with_delay,
     closed_loop_stable,
@@ -131,3 +132,15 @@ def test_the_points_on_the_turns_of_a_delay():
     v = _turns(integrator(1.0, 70), 1.0)  # 1400 points up to, not at, z = -1
     w = 2 / 0.5 * np.arctan(v * 0.25)
     assert w == pytest.approx(np.arange(1400) * pi / 1400 / 0.5, rel=1e-12)
+
+
+def test_where_integrators_alone_would_bring_the_loop_to_one():
+    """Near 0 L is gain/s^n, which is 1 at gain^(1/n); a differentiator takes one away."""
+    one = Loop.of(Plant(num=[1.0, 2.0], den=[1.0, 3.0, 5.0, 0.0]))
+    assert _slow_crossover(one) == pytest.approx([2 / 5], rel=1e-14)
+    two = Loop.of(Plant(num=[7.0, -2.0], den=[1.0, 3.0, 8.0, 0.0, 0.0]))
+    assert _slow_crossover(two) == pytest.approx([0.5], rel=1e-14)
+    less = Loop.of(Plant(num=[1.0, 4.0, 0.0], den=[1.0, 3.0, 8.0, 0.0, 0.0]))
+    assert _slow_crossover(less) == pytest.approx([0.5], rel=1e-14)
+    for num, den in (([1.0, 2.0], [1.0, 3.0]), ([1.0, 0.0], [1.0, 3.0]), ([1.0, 0.0], [1.0, 0.0])):
+        assert _slow_crossover(Loop.of(Plant(num=num, den=den))) == []

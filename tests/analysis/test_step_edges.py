@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 import zoh
+from zoh.analysis import motion
 from zoh.analysis.closed import closed_loop, followable
 from zoh.analysis.curves import trace
-from zoh.analysis.step import closed_loop_step, step_info
+from zoh.analysis.step import closed_loop_step, gains_at_rest, step_info
 from zoh.errors import SpecError
 from zoh.lti.systems import Plant, Sampled
 from zoh.sampling.hold import MAX_DELAY
@@ -243,14 +244,18 @@ def test_the_first_of_very_many_crests_is_the_highest(zeta):
         ([1], [1e-320, 1]),  # a pole at -1e320 rad/s
         ([1], [1, 1e-320]),  # one whose time constant is no float
         ([1e300], [1e-320, 1e-320]),  # a gain of 1e620
+        ([1.7e308], [1, 0.01, 1]),  # one that floats hold, but not its first crest
     ],
 )
 def test_a_plant_beyond_floats_is_refused_in_one_line_and_without_a_warning(num, den):
     with (
         warnings.catch_warnings(action="error"),
-        pytest.raises(SpecError, match=r"^system must have rates and gains that 64-bit floats can"),
+        pytest.raises(SpecError, match=r"^system must have rates and gains that 64-bit") as told,
     ):
         step_info(Plant(num=num, den=den))
+    assert all(repr(float(c)) in str(told.value.value) for c in (*num, *den))
+    assert told.value.way_out.startswith("count time")
+    assert told.value.way_out.endswith("unit")
 
 
 def test_the_least_floats_are_a_plant_as_any_other():
@@ -271,3 +276,85 @@ def test_the_peak_of_a_plant_upside_down_is_a_size():
     assert got.peak == pytest.approx(-lowest, rel=1e-12)
     twice = closed_loop_step(plant, half, reference=-2.0)
     assert twice.peak == pytest.approx(2 * got.peak, rel=1e-15)
+
+
+@pytest.mark.parametrize("late", [-0.5, "0.1", None])
+def test_a_delay_that_is_none_is_refused_by_its_name(late):
+    for ask in (closed_loop_step, closed_loop):
+        with pytest.raises(SpecError) as told:
+            ask(INTEGRATOR, HALF, compute_delay=late)
+        assert told.value.argument == "compute_delay"
+        assert told.value.value == late
+        assert "0 or more" in told.value.way_out
+
+
+def test_in_its_band_but_not_at_rest_is_not_settled(monkeypatch):
+    """1 - 2^-k beside a swing of a hundredth that lives for a million samples: in 2 % from k = 7.
+
+    Of what is followed for 500 samples alone nobody knows whether it stays there.
+    """
+    size, angle = 1 - 1e-6, 0.7
+    swing = np.array([1.0, -2 * size * cos(angle), size * size])
+    num = np.polyadd(np.polymul([0.5], swing), 0.01 * np.polymul([1.0, -1.0, 0.0], [1.0, -0.5]))
+    system = Sampled(num=num, den=np.polymul(swing, [1.0, -0.5]), dt=1.0)
+    monkeypatch.setattr(motion, "_MOST", 500)
+    got = step_info(system)
+    assert got.horizon < 1000
+    assert got.settling_time is None
+    assert got.settling == f"not at rest by {got.horizon:.4g} s"
+
+
+def test_what_is_at_rest_but_for_less_than_a_float_tells_is_not_in_its_band():
+    """(s + 1e-15)/(s + 1)^2: t exp(-t) beside 1e-15, and within 2e-17 of it after 42 s alone."""
+    got = step_info(Plant(num=[1.0, 1e-15], den=[1.0, 2.0, 1.0]))
+    assert got.horizon < 42
+    assert got.final_value == pytest.approx(1e-15, rel=1e-12, abs=0)
+    assert got.settling_time is None
+
+
+def test_a_mode_alone_that_starts_on_the_other_side_is_followed():
+    """(1.5 - z)/(z - 0.5): 1 - 2 2^-k, so -1, 0, 1/2, 3/4, 7/8, 15/16, 31/32, 63/64."""
+    got = step_info(Sampled(num=[-1.0, 1.5], den=[1.0, -0.5], dt=1.0))
+    assert (got.rise_time, got.settling_time) == (3.0, 7.0)
+    assert got.undershoot_pct == pytest.approx(100.0, rel=1e-14)
+
+
+def test_a_fast_lag_is_followed_in_its_own_time():
+    """1000/(s + 1000): a ten billionth is left after 23 ms."""
+    got = step_info(Plant(num=[1000], den=[1, 1000]))
+    assert log(1e10) <= 1000 * got.horizon <= 3 * log(1e10)
+    assert got.rise_time == pytest.approx(log(9) / 1000, rel=1e-12)
+
+
+def test_a_feedforward_adds_its_answer():
+    """1/(s + 1) at dt = ln 2 under u = (r - y)/2 + r: y(k+1) = 3/4 + y(k)/4, so 1 - 4^-k."""
+    plant, dt = Plant(num=[1], den=[1, 1]), log(2)
+    half, ahead = (Sampled(num=[gain], den=[1], dt=dt) for gain in (0.5, 1.0))
+    got = closed_loop_step(plant, half, feedforward=ahead)
+    assert got.final_value == pytest.approx(1.0, rel=1e-14)
+    assert (got.rise_time, got.settling_time) == pytest.approx((dt, 3 * dt), rel=1e-14)
+    assert (got.peak_effort, got.peak_effort_time) == (pytest.approx(1.5, rel=1e-14), 0.0)
+    assert got.effort_range == pytest.approx((1.0, 1.5), rel=1e-14)
+
+
+def test_the_largest_effort_may_be_below_zero():
+    """-1/(s + 1) under -1/2, dt = ln 2: u begins at -1/2 and ends at -1/3."""
+    got = closed_loop_step(Plant(num=[-1], den=[1, 1]), Sampled(num=[-0.5], den=[1], dt=log(2)))
+    assert (got.peak_effort, got.peak_effort_time) == (0.5, 0.0)
+    assert got.final_value == pytest.approx(1 / 3, rel=1e-14)
+
+
+def test_a_feedforward_of_its_own_poles_counts_with_its_gain_at_rest():
+    """(z^2 + 1)/(z^2 - z + 1/2) is 4 at z = 1: y = u = (1/2 + 4)/(1 + 1/2) of 1/(s + 1)."""
+    half = Sampled(num=[0.5], den=[1], dt=0.25)
+    ahead = Sampled(num=[1, 0, 1], den=[1, -1, 0.5], dt=0.25)
+    found = gains_at_rest(Plant(num=[1], den=[1, 1]), half, ahead)
+    assert found == pytest.approx((3.0, 3.0), rel=1e-14)
+
+
+@pytest.mark.parametrize("most", [1, 4])
+def test_what_is_not_followed_to_nine_tenths_has_no_rise(monkeypatch, most):
+    """1 - 2^-k is 0, 1/2, 3/4 and 7/8 in the first four samples."""
+    monkeypatch.setattr(motion, "_MOST", most)
+    got = step_info(Sampled(num=[0.5], den=[1, -0.5], dt=1.0))
+    assert (got.rise_time, got.settling_time) == (None, None)
