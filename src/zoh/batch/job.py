@@ -34,7 +34,8 @@ class Job:
 
     Keys are "dt", "compute_delay", "dead_time" (s), the law's own parameters ("wc", "pm_deg",
     "ki", "dc_gain" ...), and the plant's numbers as ``zoh.batch.sources`` names them
-    ("plant.gain", "plant.den.1", "plant.pole.0", "plant.joint.load_inertia" ...).
+    ("plant.gain", "plant.den.1", "plant.pole.0", "plant.joint.load_inertia" ...). "plant.gain" is
+    num[0]/den[0], so that of 2/(10 s + 1) is 0.2; it is not the gain at rest.
     Raises SpecError for what is no loop, or a key that this one does not have.
 
     >>> arm = Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)

@@ -119,6 +119,10 @@ class Sweep:
         i = np.asarray(loops)
         if i.dtype == bool and i.shape == (len(self),):
             (i,) = np.nonzero(i)
+            if not len(i):
+                bound = f"must select one of the {len(self)} loops or more"
+                way_out = "this mask selects nothing: loosen its condition"
+                raise SpecError("loops", bound, loops, way_out)
         whole = i.ndim == 1 and len(i) and np.issubdtype(i.dtype, np.integer)
         if not (whole and -len(self) <= i.min() and i.max() < len(self)):
             bound = f"must be numbers of some of the {len(self)} loops, or a mask of all"

@@ -43,6 +43,13 @@ def refuse_zarr(path: str) -> None:
 def write_zarr(found: "Dataset", path: str) -> None:
     """Write a dataset to a new Zarr store, sealed as ``zoh.open_sweep`` asks for."""
     refuse_zarr(path)
+    try:
+        _write_zarr(found, path)
+    except OSError as refused:
+        raise store.not_writable(path, refused) from refused
+
+
+def _write_zarr(found: "Dataset", path: str) -> None:
     folder = Path(path)
     found.to_zarr(path, mode="w-", consolidated=False)
     files = {f.relative_to(folder).as_posix(): f for f in folder.rglob("*") if f.is_file()}

@@ -139,5 +139,7 @@ def _check_ends(spread: "Uniform | LogUniform", check: Callable[[str, object], f
     for name in ("low", "high"):
         object.__setattr__(spread, name, check(name, getattr(spread, name)))
     if not spread.low < spread.high:
-        raise SpecError("high", f"must be above low = {spread.low!r}", spread.high, "swap the two")
+        nothing = "nothing varies between equal ends: leave the key out"
+        way_out = nothing if spread.low == spread.high else "swap the two"
+        raise SpecError("high", f"must be above low = {spread.low!r}", spread.high, way_out)
     _check_draws(spread, "high")

@@ -95,8 +95,22 @@ def laid_out(
 def begin(path: str, files: Mapping[str, bytes]) -> None:
     """Write the files of a new store, or mend those of one that the same sweep has begun.
 
-    Raises SpecError, and writes nothing, where the path holds anything else.
+    Raises SpecError, and writes nothing, where the path holds anything else; and where no folder
+    can be made there, or nothing written to it.
     """
+    try:
+        _begin(path, files)
+    except OSError as refused:
+        raise not_writable(path, refused) from refused
+
+
+def not_writable(path: str, why: OSError) -> SpecError:
+    """Return the refusal of a folder that the system does not let be made or written."""
+    bound = f"must be a folder that can be made and written ({why.strerror or why})"
+    return SpecError("path", bound, path, "name another folder")
+
+
+def _begin(path: str, files: Mapping[str, bytes]) -> None:
     folder = Path(path)
     if not _is_fresh(folder):
         if differs := difference(attributes(path, _NEW), _attributes(files[ROOT])):

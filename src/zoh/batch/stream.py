@@ -39,10 +39,12 @@ def sweep_to(
     path    a new folder, or one that the same sweep has begun: what is there, as it was written,
             is not made again, what is missing or damaged is
     keep    the columns to write, of ``zoh.batch.figures`` and of what varies; None writes all
-    block   how many loops are one block and one chunk of the store; they are held in memory
+    block   how many loops, all at most, are one block and one chunk of the store; they are held
+            in memory
     client  a ``dask.distributed.Client``: its workers write, so they must see the path, too
 
-    Raises SpecError where the path holds anything else, another sweep among them.
+    Raises SpecError where the path holds anything else, another sweep among them, or cannot be
+    written.
     """
     needed("zarr", "a sweep on disk")
     workers.checked(client)

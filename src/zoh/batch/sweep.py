@@ -128,7 +128,8 @@ def plan_of(job: Job, over: Over, arithmetic: str | None, block: int | None) -> 
         raise SpecError("over", f"must have the keys {list(job.varying)}", space.keys, "in order")
     way = backend.choose(job, space.size, arithmetic).way
     size = way.block if block is None else checks.whole("block", block, 1, "65536 is usual")
-    return Plan(job=job, space=space, arithmetic=way.name, block=size)
+    # a longer block would be the same loops, in room for all that it could hold
+    return Plan(job=job, space=space, arithmetic=way.name, block=min(size, space.size))
 
 
 def _joined(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:

@@ -12,6 +12,7 @@ DOUBLE = 1e-10  # of its terms: a polynomial's value at an extreme that may be 0
 UNITY = 1e-11  # |L| this near to 1 at an end of the axis is for exact arithmetic to decide
 ROOM = 1e-11  # rad from the end of what a law can give: within rounding of it
 SAME_TURN = 1e-12  # rad; a P turns the phase by nothing, but for rounding
+RESONANT = 1e-3  # of its terms: the plant this small at the crossover lacks digits of its phase
 ON_TARGET = 1e-9  # of the crossover, and deg of the margin: what a design promises
 ON_IT_DEG = 1e-12  # a margin this small is 0: a few roundings of the angle
 DROP = 10.0**-0.3  # 3 dB below, squared

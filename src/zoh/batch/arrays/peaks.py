@@ -1,8 +1,12 @@
 """Where a quotient of two polynomials in q is least, of many loops at once: a peak's place.
 
 The sensitivities' peaks are the least of |num + den|^2/|below|^2 over q = v^2 in [0, inf]. One is
-proved by what is left of |num + den|^2 - m |below|^2 without its double root, which has no positive
-root if m is the least.
+proved by what is left of |num + den|^2 - m |below|^2 without its double root, which is above 0 for
+every q > 0 if m is the least.
+
+Beside an undamped pole |den|^2 is what rounding left of a double root, below 0 as often as above
+it, and a quotient by that is nothing. So a square counts where it is above its own rounding; below
+it the quotient there is at least that by the rounding.
 """
 
 import numpy as np
@@ -10,7 +14,7 @@ import numpy as np
 from zoh.batch.arrays import rows
 from zoh.batch.arrays.roots import closed_in, positive_roots
 from zoh.batch.arrays.rows import Array, Mask
-from zoh.batch.tolerances import GRID
+from zoh.batch.tolerances import DOUBLE, GRID
 
 _HALF = 0.5 * np.log(GRID[1] / GRID[0])  # of the distance of two points in log q
 _FLAT = 1e-6  # of q: a Newton's step as small as this leaves its square, and a/b the square of that
@@ -29,7 +33,7 @@ def lowest(a: Array, below: list[Array]) -> tuple[Array, Mask]:
     a, b = np.tile(a, len(below)), np.concatenate(below, axis=1)
     slope = _slope(a, b)
     q, inside = _flat(slope, low, high, near)
-    value = rows.at(a, q) / rows.at(b, q)
+    value = _firm(a, q) / _firm(b, q)
     v = np.sqrt(q)
     for end, here in ((0.0, a[0] / b[0]), (np.inf, a[-1] / b[-1])):
         lower = here <= value * (1 + 1e-14)
@@ -72,7 +76,7 @@ def _slope(a: Array, b: Array) -> Array:
 
 
 def _nothing_below(rest: Array, q: Array) -> Mask:
-    """Return whether ``rest``, which has its double root at q taken out, has no positive root."""
+    """Return whether ``rest`` without its double root at q is above 0 for every q > 0."""
     inner = (q > 0) & np.isfinite(q)
     divided = rest
     for _ in range(2):
@@ -80,11 +84,18 @@ def _nothing_below(rest: Array, q: Array) -> Mask:
     divided = np.where(inner, divided, _shorter(rest, q))
     count = rows.changes(divided)
     proved: Mask = np.equal(count, 0)
+    above = np.sum(divided, axis=0) > 0  # at q = 1: with no root it is so everywhere
     (maybe,) = np.nonzero((count > 0) & (count % 2 == 0))
     if len(maybe):
         roots, doubt = positive_roots(rows.taken(divided, maybe))
         proved[maybe] = ~np.isfinite(roots).any(axis=0) & ~doubt
-    return proved
+    return np.asarray(proved & above)
+
+
+def _firm(a: Array, q: Array) -> Array:
+    """Return the value at q of a square, NaN where rounding may have made its first digits."""
+    value = rows.at(a, q)
+    return np.where(value > DOUBLE * rows.at(np.abs(a), q), value, np.nan)
 
 
 def _without(a: Array, q: Array) -> Array:
@@ -124,11 +135,17 @@ def _by_slopes(a: Array, b: Array, slope: Array) -> tuple[Array, Array, Mask]:
     """Return (v where a/b is least, a/b there, whether in doubt), every flat place of it tried."""
     size = np.max(np.abs(slope), axis=0)
     q, doubt = positive_roots(slope / np.where(size > 0, size, 1.0))
-    inner = np.where(np.isfinite(q), q, 1.0)
-    value = np.where(np.isfinite(q), rows.at(a, inner) / rows.at(b, inner), np.inf)
+    there = np.isfinite(q)
+    inner = np.where(there, q, 1.0)
+    over, under = _firm(a, inner), _firm(b, inner)
+    firm = np.isfinite(under) & np.isfinite(over)
+    over = np.where(np.isfinite(over), over, 0.0)
+    under = np.where(np.isfinite(under), under, DOUBLE * rows.at(np.abs(b), inner))
+    value = np.where(there, over / under, np.inf)
     value = np.concatenate([value, [a[0] / b[0], a[-1] / b[-1]]])
     places = np.concatenate([q, np.zeros((1, a.shape[1])), np.full((1, a.shape[1]), np.inf)])
     value = np.where(np.isnan(value), np.inf, value)
     best = np.argmin(value, axis=0)[None, :]
     v, least = (np.take_along_axis(x, best, axis=0)[0] for x in (np.sqrt(places), value))
-    return v, least, doubt
+    firm = np.concatenate([firm, np.ones((2, a.shape[1]), bool)])
+    return v, least, doubt | ~np.take_along_axis(firm, best, axis=0)[0]

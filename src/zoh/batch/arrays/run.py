@@ -4,6 +4,8 @@ What floats cannot decide, or only in many steps, is left to the single design: 
 be rounding, an extreme that may touch 0, a request at the edge of what its law can do.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from zoh.batch.arrays import laws, rows
@@ -19,7 +21,7 @@ from zoh.batch.columns import Columns, Results, empty
 from zoh.batch.figures import BY_NAME
 from zoh.batch.job import GIVEN, Job
 from zoh.batch.reason import Reason
-from zoh.batch.tolerances import HELD, ON_TARGET, ROOM
+from zoh.batch.tolerances import HELD, ON_TARGET, RESONANT, ROOM
 
 CHUNK = 4096  # loops at a time: fewer are ruled by Python's calls, more leave a core's own cache
 
@@ -102,9 +104,13 @@ def closed(job: Job, wanted: Batch, plant: Held, delay: int) -> tuple[Loops, Sol
         x = _crossover(num, den)
     else:
         x = np.tan(wanted.asked["wc"] * wanted.dt / 2)
-        g = rows.on_axis(top, x)[0] / rows.on_axis(bottom, x)[0]
+        over, under = rows.on_axis(plant.num, x)[0], rows.on_axis(plant.den, x)[0]
+        g = over / under * ((1 - 1j * x) / (1 + 1j * x)) ** delay
         at = laws.wanted(g, wanted.asked["pm_deg"], x, wanted.dt)
         law = laws.LAWS[job.law](at, wanted.asked)
+        known = np.abs(over) > RESONANT * rows.at(np.abs(plant.num), x)
+        known &= np.abs(under) > RESONANT * rows.at(np.abs(plant.den), x)
+        law = replace(law, room=np.where(known, law.room, np.nan))
         num, den = rows.times(top, law.num), rows.times(bottom, law.den)
     powers = np.power(x[None, :], np.arange(float(len(den)))[:, None])
     num = np.concatenate([num, np.zeros((len(den) - len(num), count))])

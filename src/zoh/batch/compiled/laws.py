@@ -1,11 +1,12 @@
 """One law, solved at one crossover; see ``zoh.batch.arrays.laws``, its arithmetic."""
 
-from math import acos, asin, atan, atan2, cos, pi, sin, sqrt
+from math import acos, asin, atan, atan2, cos, nan, pi, sin, sqrt
 
+from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled.jit import compiled
 from zoh.batch.compiled.polynomials import on_axis
 from zoh.batch.compiled.room import Law, Plant
-from zoh.batch.tolerances import SAME_TURN
+from zoh.batch.tolerances import RESONANT, SAME_TURN
 
 
 @compiled
@@ -15,7 +16,8 @@ def solve(
 ) -> int:  # fmt: skip
     """Write the law; return its order. spare: ki or dc_gain; lag: of the filter, in p.
 
-    numbers: direct, room in rad, then the gains in the order of ``figures.gain_names``
+    numbers: direct, room in rad (nan: floats do not tell), then the gains in the order of
+    ``figures.gain_names``
     """
     a, b, _, _ = on_axis(p.top, n, x)
     c, d, _, _ = on_axis(p.bottom, n, x)
@@ -26,6 +28,9 @@ def solve(
     theta = turn - 2.0 * pi * round(turn / (2.0 * pi))
     real, imag = cos(theta) / size, sin(theta) / size
     out = law.numbers
+    if resonant(p.top, n, x, sqrt(a * a + b * b)) or resonant(p.bottom, n, x, sqrt(c * c + d * d)):
+        out[1] = nan
+        return 0
     if code == 0:
         law.num[0], law.den[0] = 1.0 / size, 1.0
         out[0], out[1], out[2] = 1.0 / size, SAME_TURN - abs(theta), 1.0 / size
@@ -57,6 +62,15 @@ def solve(
         out[1] = min(theta, acos(ratio) - theta)
     out[2], out[3], out[4] = spare, zero * (2.0 / dt), corner * (2.0 / dt)
     return 1
+
+
+@compiled
+def resonant(a: Array, n: int, x: float, size: float) -> bool:
+    """Return whether a(jx), of this size, lacks digits: an undamped root is beside it."""
+    bulk = abs(a[n])
+    for k in range(n - 1, -1, -1):
+        bulk = bulk * x + abs(a[k])
+    return not size > RESONANT * bulk
 
 
 @compiled

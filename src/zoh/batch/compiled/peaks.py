@@ -1,12 +1,12 @@
 """Where a quotient of two polynomials is least, of one loop; see ``zoh.batch.arrays.peaks``."""
 
-from math import inf, log, sqrt
+from math import inf, log, nan, sqrt
 
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
 from zoh.batch.compiled.jit import compiled, shared
 from zoh.batch.compiled.polynomials import at, changes, on_grid, positive_roots, without
-from zoh.batch.tolerances import GRID
+from zoh.batch.tolerances import DOUBLE, GRID
 
 _HALF = 0.5 * log(GRID[1] / GRID[0])
 
@@ -15,7 +15,7 @@ _HALF = 0.5 * log(GRID[1] / GRID[0])
 def lowest(w: int, a: Array, b: Array, n: int, q: float, inside: bool) -> tuple[float, bool]:
     """Return (v where a/b is least over q = v^2, whether in doubt), inside: if it may be at q."""
     rest = work.lines(w).rest
-    value = at(a, n, q) / at(b, n, q)
+    value = firm(a, n, q) / firm(b, n, q)
     v = sqrt(q)
     end = a[0] / b[0]
     if end <= value * (1.0 + 1e-14):
@@ -36,13 +36,30 @@ def lowest(w: int, a: Array, b: Array, n: int, q: float, inside: bool) -> tuple[
             without(rest, n - 1, q, rest)
             degree = n - 2
         count = changes(rest, degree)
-        if count == 0:
+        above = at(rest, degree, 1.0) > 0.0  # with no root it is so everywhere
+        if above and count == 0:
             return v, False
-        if count % 2 == 0:
+        if above and count % 2 == 0:
             found, doubt = positive_roots(w, rest, degree)
             if found == 0 and not doubt:
                 return v, False
     return by_slopes(w, a, b, n)
+
+
+@compiled
+def with_bulk(a: Array, n: int, x: float) -> tuple[float, float]:
+    """Return the value at x > 0, and the sum of the sizes of its terms."""
+    value, bulk = a[n], abs(a[n])
+    for k in range(n - 1, -1, -1):
+        value, bulk = value * x + a[k], bulk * x + abs(a[k])
+    return value, bulk
+
+
+@compiled
+def firm(a: Array, n: int, x: float) -> float:
+    """Return the value at x of a square, nan where rounding may have made its first digits."""
+    value, bulk = with_bulk(a, n, x)
+    return value if value > DOUBLE * bulk else nan
 
 
 @compiled
@@ -88,10 +105,14 @@ def by_slopes(w: int, a: Array, b: Array, n: int) -> tuple[float, bool]:
     v, least = 0.0, a[0] / b[0]
     if not least >= 0.0:
         least = inf
+    unsure = False
     for k in range(count):
-        value = at(a, n, roots[k]) / at(b, n, roots[k])
+        over, most = with_bulk(a, n, roots[k])
+        under, bulk = with_bulk(b, n, roots[k])
+        rounded = not (over > DOUBLE * most and under > DOUBLE * bulk)
+        value = (over if over > DOUBLE * most else 0.0) / max(under, DOUBLE * bulk)
         if value < least:
-            v, least = sqrt(roots[k]), value
+            v, least, unsure = sqrt(roots[k]), value, rounded
     if a[n] / b[n] < least:
-        v = inf
-    return v, doubt
+        return inf, doubt
+    return v, doubt or unsure

@@ -11,7 +11,7 @@ from zoh.batch.compiled import work
 from zoh.batch.compiled.jit import compiled
 from zoh.batch.compiled.peaks import about
 from zoh.batch.compiled.room import NOTES, SIDES
-from zoh.batch.tolerances import GRID
+from zoh.batch.tolerances import DOUBLE, GRID
 
 _LAST = 1e-6  # relative: the error after a Newton's step as small as this is its square
 _STEPS = 100
@@ -20,7 +20,7 @@ _STEPS = 100
 Q, _LOW, _HIGH, _MOVED, _MOVES, VALLEY = range(6)
 _ROWS = 6
 _A, _A1, _A2, _B, _B1, _B2 = range(6, 12)  # values, slopes and half the bends
-_LARGEST, _WHERE, _POWER, _VALUE, LEAST, _SUM, _SUMS = range(12, NOTES)
+_LARGEST, _WHERE, _POWER, _VALUE, LEAST, _SUM, _SUMS, _OVER, _UNDER = range(12, NOTES)
 _PARTS = NOTES  # from here on: the terms of numerator - value denominator
 
 
@@ -117,13 +117,15 @@ def proof(w: int, n: int) -> None:
 
     Numerator - value denominator is (q - Q)^2 times a rest, none of whose terms may be below 0.
     Those below the largest term of the whole come from the terms at its bottom, the others from
-    the top, so that none is a difference of larger ones.
+    the top, so that none is a difference of larger ones. Where rounding may have made either
+    polynomial, beside an undamped pole, their quotient proves nothing.
     """
     lines = work.lines(w)
     over, under, room = lines.aa, lines.under, lines.sides
     for i in range(SIDES):
         room[_VALUE, i] = room[_A, i] / room[_B, i]
         room[_LARGEST, i], room[_WHERE, i], room[_POWER, i] = -1.0, 0.0, 1.0
+        room[_OVER, i], room[_UNDER, i] = 0.0, 0.0
     for k in range(n + 1):
         term, place = over[k], float(k)
         for i in range(SIDES):
@@ -132,9 +134,13 @@ def proof(w: int, n: int) -> None:
             room[_LARGEST, i] = abs(part) if larger else room[_LARGEST, i]
             room[_WHERE, i] = place if larger else room[_WHERE, i]
             room[_PARTS + k, i] = part
+            room[_OVER, i] += abs(term) * room[_POWER, i]
+            room[_UNDER, i] += abs(under[k, i]) * room[_POWER, i]
             room[_POWER, i] *= room[Q, i]
     for i in range(SIDES):
-        room[LEAST, i] = inf if room[VALLEY, i] > 0.0 else -1.0
+        firm = int(room[_A, i] > DOUBLE * room[_OVER, i])
+        firm &= int(room[_B, i] > DOUBLE * room[_UNDER, i])
+        room[LEAST, i] = inf if firm & int(room[VALLEY, i] > 0.0) else -1.0
         room[_SUM, i], room[_SUMS, i] = 0.0, 0.0
     for k in range(n - 1):
         place = float(k)

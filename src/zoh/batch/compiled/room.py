@@ -15,7 +15,7 @@ BLOCK = 32  # samples between two looks at whether a loop is done
 ROOM = 2 * PAST + BLOCK + LANES  # columns of a block
 DOUBLINGS = 3  # of the motion by one sample: by ``LANES`` samples
 SEEN, KEPT = 14, 5  # what is seen of a step response, and the states that are kept of it
-SIDES, NOTES = 4, 19  # quotients side by side, and rows of what is known of them
+SIDES, NOTES = 4, 21  # quotients side by side, and rows of what is known of them
 WHOLE, LATE, PART = range(3)  # times that a plant is moved by: a sample, its end, a piece of it
 
 
