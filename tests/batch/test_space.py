@@ -136,6 +136,14 @@ def test_a_spread_whose_draws_are_beyond_a_float_is_refused(wide, argument):
     assert "\n" not in str(refused.value)
 
 
+@pytest.mark.parametrize("spread", [Uniform, LogUniform])
+def test_a_spread_of_no_width_is_said_to_vary_nothing(spread):
+    with pytest.raises(zoh.SpecError, match=r"above low = 2\.0, got 2\.0: nothing varies"):
+        spread(low=2, high=2)
+    with pytest.raises(zoh.SpecError, match=r"above low = 2\.0, got 1\.0: swap the two"):
+        spread(low=2, high=1)
+
+
 def test_a_spread_as_wide_as_a_float_allows_is_drawn():
     x = sample(Uniform(low=-8e307, high=8e307))
     assert np.isfinite(x).all()
