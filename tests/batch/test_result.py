@@ -318,6 +318,9 @@ def test_some_of_the_loops_by_number_or_by_mask(swept):
     for wrong in ([], 0, [0.5, 1.5], [18], [-19], [True, False], [[0, 1]]):
         with pytest.raises(zoh.SpecError, match="loops must be numbers of some of the 18 loops"):
             swept.take(wrong)
+    with pytest.raises(zoh.SpecError, match="this mask selects nothing") as refused:
+        swept.take(swept["ms"] < 0)
+    assert "\n" not in str(refused.value)
 
 
 def test_no_front_where_no_loop_is_good():

@@ -86,6 +86,24 @@ def test_a_download_that_did_not_end_is_not_ours_to_remove(tmp_path):
     assert [f.read_text() for f in tmp_path.iterdir()] == ["half"]
 
 
+def test_a_folder_that_cannot_be_made_is_refused_in_one_line(tmp_path):
+    (tmp_path / "file").write_text("no folder")
+    path = str(tmp_path / "file" / "a.zarr")
+    held = sweep(ARM, "pi", {"pm_deg": 40}, dt=0.1, over=space(3))
+    for write in (lambda: sweep_to(path, JOB, space(3)), lambda: held.to_zarr(path)):
+        with pytest.raises(zoh.SpecError, match="must be a folder that can be made") as refused:
+            write()
+        assert "\n" not in str(refused.value)
+
+
+def test_a_block_beyond_the_loops_is_all_of_them(tmp_path):
+    path = str(tmp_path / "a.zarr")
+    first = sweep_to(path, JOB, space(3), block=10**12)  # 8 TB a column
+    before = contents(path)
+    assert sweep_to(path, JOB, space(3), block=3) == sweep_to(path, JOB, space(3)) == first
+    assert contents(path) == before
+
+
 def test_only_what_is_asked_for_is_kept(tmp_path):
     path = str(tmp_path / "a.zarr")
     sweep_to(path, JOB, space(10), keep=["ms", "wc"])

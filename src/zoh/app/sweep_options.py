@@ -9,8 +9,8 @@ def declare(parser: ArgumentParser) -> None:
     add(
         "--over", metavar="KEY=FROM:TO:N", nargs="+", action="extend", required=True,
         help="what varies: wc=1:3:21, dt=1e-3:1e-1:9:log, ki=1,2,5; for a sample or corners "
-        "plant.gain=2:3, plant.gain=2:3:log, plant.gain=2.5~0.1; plant.gain is num[0]/den[0], 0.2 of "
-        "2/(10 s + 1)",
+        "plant.gain=2:3, plant.gain=2:3:log, plant.gain=2.5~0.1; plant.gain is num[0]/den[0], "
+        "0.2 of 2/(10 s + 1)",
     )  # fmt: skip
     add("--sample", metavar="N", type=int, help="N random loops instead of a grid")
     add("--seed", metavar="S", type=int, help="the same seed, the same sample (0)")
