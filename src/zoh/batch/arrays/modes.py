@@ -7,7 +7,7 @@ import numpy as np
 
 from zoh.batch.arrays.look import Seen, moved
 from zoh.batch.arrays.rows import Array, Complex, Index, Mask, taken
-from zoh.batch.tolerances import BAND, LOST, NEAR, QUIET
+from zoh.batch.tolerances import BAND, GONE, LOST, NEAR, QUIET, REST, SHOWN, TURN
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,3 +94,20 @@ class Modes:
             np.where(others <= -side, 0.0, others + np.maximum(side, 0.0)) for side in (slow, -slow)
         )
         return total, higher, lower
+
+
+def restless(z: Complex) -> tuple[Mask, Mask]:
+    """Return (which motions the single design does not see come to rest, which it may not).
+
+    Such a motion has no settling time there, be all that still moves within its band. Its stride
+    is TURN of the fastest mode that lives, rounded down to a power of 2, and may be kept until one
+    that turns a quarter as fast has gone: so TURN/8 is the least.
+    """
+    log_z = np.log(z)
+    decay, turn = np.maximum(-log_z.real, 1e-14), np.abs(log_z)
+    slow = np.argmin(decay, axis=0)[None, :]
+    slowest, swing = (np.take_along_axis(x, slow, axis=0)[0] for x in (decay, turn))
+    rest = REST / slowest
+    never = rest > 1.01 * SHOWN * np.maximum(1.0, TURN / swing)
+    shown = np.minimum(GONE / decay, rest) * np.minimum(1.0, turn * (8 / TURN))
+    return never, ~never & (np.sum(shown, axis=0) > SHOWN)

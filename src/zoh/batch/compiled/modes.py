@@ -9,9 +9,9 @@ from math import inf, log1p, sqrt
 import numpy as np
 
 from zoh.batch.compiled import work
-from zoh.batch.compiled.jit import compiled
+from zoh.batch.compiled.jit import compiled, shared
 from zoh.batch.compiled.room import LANES, WIDE
-from zoh.batch.tolerances import APART
+from zoh.batch.tolerances import APART, GONE, REST, SHOWN, TURN
 
 _ROOTS = 60  # Aberth's steps at most
 _GONE = 345.0  # the decay of a mode that is gone in one sample
@@ -137,6 +137,27 @@ def decays(w: int, n: int, x: float) -> float:
         alone = m.creeping[i] == nearest and abs(m.im[i]) <= 1e-9 * slowest * m.re[i]
         m.creeping[i] = 1.0 if alone else 0.0
     return slowest
+
+
+@shared
+def restless(w: int, n: int, slowest: float) -> tuple[bool, bool]:
+    """Return (whether the single design does not see a rest, whether it may not); see the arrays.
+
+    slowest  the decay of the slowest mode
+    """
+    m, rest = work.motion(w), REST / slowest
+    if n * rest <= SHOWN:
+        return False, False
+    shown, swing, least = 0.0, inf, inf
+    for i in range(n):
+        over = m.im[i] * m.im[i] - (1.0 - m.re[i]) * (1.0 + m.re[i])  # |z|^2 - 1
+        decay = max(-0.5 * log1p(over), 1e-14) if over > -1.0 else _GONE
+        if decay < least:
+            least, swing = decay, m.turn[i]
+        shown += min(GONE / decay, rest) * min(1.0, m.turn[i] * (8.0 / TURN))
+    if rest > 1.01 * SHOWN * max(1.0, TURN / swing):
+        return True, False
+    return False, shown > SHOWN
 
 
 @compiled

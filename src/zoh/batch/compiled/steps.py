@@ -9,6 +9,7 @@ from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
 from zoh.batch.compiled.between import crest
 from zoh.batch.compiled.jit import compiled, shared
+from zoh.batch.compiled.modes import restless
 from zoh.batch.compiled.places import (
     BETWEEN_OVERSHOOT,
     BETWEEN_TIME,
@@ -68,8 +69,11 @@ def step_metrics(
     full = abs(final)
     if not FAINT <= full < inf:
         return True
-    begin(w, size)
     slowest = max(slowest, 1e-14)
+    never, maybe = restless(w, order, slowest)
+    if maybe:
+        return True
+    begin(w, size)
     end = max(8.0, ceil(QUIET / slowest) + 4.0 * size)
     k, stride, level, done, lost = 0.0, 1.0, 0, False, True
     while level < LEVELS:
@@ -99,6 +103,8 @@ def step_metrics(
         return True
     unknown = closing(w, n, sign, size)
     figures(work.track(w).seen, full, final, at_rest, sign, dt, reference, out)
+    if never:
+        out[SETTLING] = nan
     return unknown
 
 
