@@ -35,7 +35,7 @@ def asked(monkeypatch):
         claims.append(holds)
         return V, V
 
-    def count(_, value, slope, at):
+    def count(_, value, slope, at, sure=None):
         claims.append((value, slope, at))
         return 0
 

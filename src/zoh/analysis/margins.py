@@ -162,9 +162,10 @@ def _measured(
     peaks = [peak(loop, squares, look, below) for below in (ON_DEN, ON_NUM, ON_OPPOSITE)]
     if not isinstance(look, Sparse):
         near += [peak.v for peak in peaks]
-    found = Found(unities, turns, drops, peaks)
-    certificate = proved(loop, squares, look, found, stable=why) if prove else None
     nearest_gain = min(by_phase, key=lambda c: abs(log(c[1])), default=(None, inf))
+    factor = nearest_gain[1] if by_phase else None
+    found = Found(unities, turns, drops, peaks, factor)
+    certificate = proved(loop, squares, look, found, stable=why) if prove else None
     nearest_phase = _nearest(by_gain)
     modulus, complementary, disk = peaks
     return Margins(
@@ -212,6 +213,8 @@ def _lowest(loop: Loop, squares: Squares, look: Look, below: Below) -> tuple[flo
     value = squares.ratio(place, below) if squares.whole else loop.ratio(place, below)
     if value < _NEEDLE and squares.whole:
         return deepest(squares, [place, *look.turns()], below)
+    if value < _NEEDLE:  # narrower than a flat least value is told
+        value, place = min((loop.ratio(v, below), v) for v in [place, *look.turns()])
     return place, value
 
 
