@@ -23,7 +23,7 @@ def late(num, den, dead_time):
 
 
 def _delay_grid(loop, v):
-    return close._delay_grid(loop, Squares.of(loop), v)
+    return close._delay_grid(loop, Squares.of(loop), v)[0]
 
 
 def near(v, wanted, rel=1e-9):
@@ -107,8 +107,10 @@ def test_a_dead_time_that_turns_too_often_is_followed_to_a_half_or_refused():
     with pytest.raises(SpecError) as told:
         _delay_grid(loop, np.geomspace(1.0, 2e7, 100))
     assert (told.value.argument, told.value.value) == ("dead_time", 1.0)
-    # |L| is 1 at 1e7: 40 000 rad are 0.004 s of that
-    assert told.value.bound == "must be at most 0.004 s for a loop as fast as this"
+    # |L| is 1 at 1e7: 40 000 rad are 0.004 s of that, and two turns belong to them
+    assert told.value.bound == "must be at most 0.003996 s for a loop as fast as this"
+    waits = late([1e7], [1.0, 0.0], 0.003996)
+    assert _delay_grid(waits, np.geomspace(1.0, 2e7, 100))[-1] == pytest.approx(1e7, rel=1e-3)
     assert told.value.way_out == "what turns that often is no control loop"
 
 

@@ -33,6 +33,7 @@ class Close:
     top, bottom  num, the delay in it, and den there
     reach        up to where L is followed around its turns: a continuous dead time turns what is
                  left of the loop for ever
+    further      from where to where it is followed beyond that
     """
 
     loop: Loop
@@ -41,6 +42,7 @@ class Close:
     top: ComplexArray
     bottom: ComplexArray
     reach: float
+    further: Sequence[tuple[float, float]] = ()
 
     @classmethod
     def of(cls, loop: Loop, squares: Squares) -> "Close":
@@ -48,14 +50,17 @@ class Close:
         signed = (squares.gain, squares.turn, squares.drop)
         roots = [_suspects(a) for a in signed]
         marks = _landmarks(loop, [2.0 ** (x / 2) for x in corners(signed)])
-        turns = _delay_grid(loop, squares, marks)
+        turns, *further = _delay_grid(loop, squares, marks)
         endless = bool(loop.dead_time) and loop.dt is None
         reach = float(turns[-1]) if endless else inf
         fall = around_the_fall(loop, squares, reach) if endless else np.empty(0)
-        v = np.unique(np.concatenate([marks, turns, fall, *roots]))
+        v = np.unique(np.concatenate([marks, turns, *further, fall, *roots]))
         v = v[np.isfinite(v) & (v > 0)]
         top, bottom = loop.parts(v)
-        return cls(loop=loop, squares=squares, v=v, top=top, bottom=bottom, reach=reach)
+        return cls(
+            loop=loop, squares=squares, v=v, top=top, bottom=bottom, reach=reach,
+            further=[(float(x[0]), float(x[-1])) for x in further],
+        )  # fmt: skip
 
     def unities(self) -> list[float]:
         """Return every v at which |L| = 1, ascending."""
@@ -72,9 +77,13 @@ class Close:
         return self.squares.over_bottom(self.squares.gain, v) / 2
 
     def turns(self) -> list[float]:
-        """Return every v up to ``reach`` at which L is real, ascending."""
-        side = (self.top * np.conj(self.bottom)).imag
-        found = sign_changes(self.loop.side, self.v, np.sign(side) * (self.v <= self.reach))
+        """Return every v up to ``reach``, and in what is ``further``, at which L is real."""
+        signs = np.sign((self.top * np.conj(self.bottom)).imag)
+        found: list[float] = []
+        for low, high in ((0.0, self.reach), *self.further):
+            seen = (low <= self.v) & (self.v <= high)
+            found += sign_changes(self.loop.side, self.v[seen], signs[seen])
+        found = merged(found)
         return _sharpened(self.squares.turn, found) if self.squares.whole else found
 
     def drops(self) -> list[float]:
@@ -162,14 +171,14 @@ def around(modes: ComplexArray) -> Array:
     return np.concatenate([beside.ravel(), np.abs(modes)])
 
 
-def _delay_grid(loop: Loop, squares: Squares, v: Array) -> Array:
+def _delay_grid(loop: Loop, squares: Squares, v: Array) -> list[Array]:
     """Return frequencies at every 0.2 rad of the delay's phase lag, a continuous one's as far as
     ``followed`` on the grid v.
     """
     if not loop.dead_time:
-        return np.empty(0)
+        return [np.empty(0)]
     if loop.dt is None:
         return followed(loop, squares, v)
     turns = loop.dead_time / loop.dt
     half = np.arange(1, int(turns * pi / 0.2) + 2) * 0.1 / turns
-    return np.asarray(2 / loop.dt * np.tan(half[half < pi / 2]), float)
+    return [np.asarray(2 / loop.dt * np.tan(half[half < pi / 2]), float)]

@@ -25,36 +25,44 @@ _LIKE_THE_END = 1.01  # times |L| at infinity: the turns from there on look alik
 _MOST = 200_000  # points on a dead time's turns; more turns than that are not a control loop
 _STEP = 0.2  # rad of the delay's phase from one point to the next
 _FURTHER = 4 * pi  # rad, two turns
+_SURELY = 0.999 * _MOST * _STEP  # rad up to the last that decides; with two turns more it is less
 _CORRECTIONS = 4
 GAIN_TOL = 1e-9  # relative; a turn that was not seen changes the gain margin by no more
 
 
-def followed(loop: Loop, squares: Squares, v: Array) -> Array:
+def followed(loop: Loop, squares: Squares, v: Array) -> list[Array]:
     """Return frequencies at every 0.2 rad of a continuous dead time, as far as turns matter.
+
+    First those from the beginning on, then those around what decides further off.
 
     That is while |L| is above a thousandth on the grid v (of its largest value, where that is
     below 1; a half, where that would be too far), and two turns further. Where |L| ends at more
     than that, the end is what every further turn is like. Up to the last that decides it is at
-    least. A loop without an end of its own that decides too far off is refused.
+    least, or, where that would be too far, around it: two turns to both sides. A loop that is 1
+    too far off is refused, but for one that is all but at its end before.
     """
     v = np.concatenate([v, v[-1] * np.geomspace(1.1, 1e6, 150)])  # |L| may fall slowly
     top, bottom = (np.abs(part) for part in loop.parts(v))
     size = top / bottom
     turn, further = _STEP / loop.dead_time, _FURTHER / loop.dead_time
     end = abs(loop.num[0] / loop.den[0])
-    last = _last_to_decide(squares, size, end)
+    unities = [as_v(q) for q in signs.odd_roots(squares.gain)]
+    deciding = [*unities, *_turning_back(squares, size, end)]
+    last = max(deciding, default=0.0)
     loud = [
         max(v[size > max(quiet, _LIKE_THE_END * end)], default=0.0)
         for quiet in (1e-3 * min(1.0, float(size.max())), 0.5)
     ]
-    for upto in (*(max(x, last) for x in loud), last, *(loud if end else ())):
+    at_least = [*(loud if end else ()), *(() if unities else (0.0,))]
+    for upto in (*(max(x, last) for x in loud), last, *at_least):
         reach = upto + further
         if reach <= _MOST * turn:
-            return np.asarray(turn * np.arange(1, int(reach / turn) + 2), float)
-    reach = min([last, *(loud if end else ())]) + further
+            grid = np.asarray(turn * np.arange(1, int(reach / turn) + 2), float)
+            around = np.arange(-further, further, turn)
+            return [grid, *(x + around for x in deciding if x > grid[-1])]
     raise SpecError(
         "dead_time",
-        f"must be at most {_MOST * _STEP / reach:.4g} s for a loop as fast as this",
+        f"must be at most {_SURELY / min([last, *at_least]):.4g} s for a loop as fast as this",
         loop.dead_time,
         "what turns that often is no control loop",
     )
@@ -106,8 +114,8 @@ def _next_positive(loop: Loop, v: float) -> float:
     return v
 
 
-def _last_to_decide(squares: Squares, size: Array, end: float) -> float:
-    """Return the last v where |L| is 1, or stationary and nearer to 1 than at its end.
+def _turning_back(squares: Squares, size: Array, end: float) -> list[float]:
+    """Return every v where |L| is stationary and nearer to 1 than at its end.
 
     size  |L| on a grid; what is further from 1 by another factor of 2 does not count either
     """
@@ -116,8 +124,7 @@ def _last_to_decide(squares: Squares, size: Array, end: float) -> float:
         whole.times(squares.top, whole.derivative(squares.bottom)), -1,
     )  # fmt: skip
     far = min(_off(end), min(map(_off, size.tolist()), default=inf) + log(2.0))
-    stationary = [q for q in signs.odd_roots(slope) if _off(_size(squares, q)) < far]
-    return max(map(as_v, [*signs.odd_roots(squares.gain), *stationary]), default=0.0)
+    return [as_v(q) for q in signs.odd_roots(slope) if _off(_size(squares, q)) < far]
 
 
 def _size(squares: Squares, q: Point) -> float:

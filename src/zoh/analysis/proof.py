@@ -67,7 +67,8 @@ def proved(loop: Loop, squares: Squares, look: Look, found: Found, *, stable: Pr
     else:
         v, level = look.v, squares.level
         modulus, complementary, disk = (_between(loop, squares, look, peak) for peak in found.peaks)
-        phases = discs.turns(loop, v[v <= look.reach], len(found.turns))
+        upto = [x for x in found.turns if x <= look.reach]
+        phases = discs.turns(loop, v[v <= look.reach], len(upto))
         if loop.dt is None and any(loop.num):
             phases = _decided(phases, squares, found.factor, look.reach)
         if not apart(loop.side, found.turns, _BESIDE):
