@@ -180,6 +180,17 @@ def test_what_is_refused_says_a_dead_time_that_is_followed():
     assert unity + 4 * pi / 0.0872 <= grid[-1] <= unity + 4 * pi / 0.0872 + 0.4 / 0.0872
 
 
+def test_a_peak_too_far_off_is_looked_at_and_the_turns_up_to_the_last_unity():
+    """2/(s + 1) and a mode at 1e5 rad/s, where |L| is about 0.6 again."""
+    num, den = np.polyadd([2.0, 6e3, 2e10], [0.6e3, 0.6e3, 0.0]), np.polymul([1, 1], [1, 1e3, 1e10])
+    loop = late(num.tolist(), den.tolist(), 1.0)
+    grid, around = followed(loop, Squares.of(loop), np.geomspace(0.01, 1e7, 400))
+    assert grid[-1] == pytest.approx(sqrt(3) + 4 * pi, abs=0.3)
+    w = np.linspace(0.9e5, 1.1e5, 200_001)
+    peak = w[np.abs(floats(loop, w)).argmax()]
+    assert (around[0], around[-1]) == pytest.approx((peak - 4 * pi, peak + 4 * pi), abs=0.4)
+
+
 def test_a_turning_back_counts_where_it_is_nearer_to_1_than_the_end():
     """(s^2 + a s + 1)/(s^2 + b s + 1) has its most or its least, a/b, at 1."""
 

@@ -47,13 +47,13 @@ def followed(loop: Loop, squares: Squares, v: Array) -> list[Array]:
     turn, further = _STEP / loop.dead_time, _FURTHER / loop.dead_time
     end = abs(loop.num[0] / loop.den[0])
     unities = [as_v(q) for q in signs.odd_roots(squares.gain)]
-    deciding = [*unities, *_turning_back(squares, size, end)]
+    deciding = sorted([*unities, *_turning_back(squares, size, end)])
     last = max(deciding, default=0.0)
     loud = [
         max(v[size > max(quiet, _LIKE_THE_END * end)], default=0.0)
         for quiet in (1e-3 * min(1.0, float(size.max())), 0.5)
     ]
-    at_least = [*(loud if end else ()), *(() if unities else (0.0,))]
+    at_least = [*(loud if end else ()), max(unities, default=0.0)]
     for upto in (*(max(x, last) for x in loud), last, *at_least):
         reach = upto + further
         if reach <= _MOST * turn:
@@ -62,7 +62,7 @@ def followed(loop: Loop, squares: Squares, v: Array) -> list[Array]:
             return [grid, *(x + around for x in deciding if x > grid[-1])]
     raise SpecError(
         "dead_time",
-        f"must be at most {_SURELY / min([last, *at_least]):.4g} s for a loop as fast as this",
+        f"must be at most {_SURELY / min(at_least):.4g} s for a loop as fast as this",
         loop.dead_time,
         "what turns that often is no control loop",
     )
