@@ -184,6 +184,7 @@ def _measured(
         gain_crossings=tuple(by_gain),
         phase_crossings=tuple(by_phase),
         certificate=certificate,
+        dt=loop.dt,
     )
 
 

@@ -1,13 +1,16 @@
 """A sampled system as states that move by small steps.
 
 With delta = z - 1 a pole near z = 1 is a small number, kept to its last digit, and a small dt
-costs nothing. A pole at z = -1 is no special case.
+costs nothing. A pole at z = -1 is no special case. Many poles far from z = 1, those of a long FIR
+or of a Smith predictor, have powers of 2 in delta that take each other back: a register has not.
 Source: R. H. Middleton and G. C. Goodwin, Digital Control and Estimation: A Unified Approach
-(the delta operator).
+(the delta operator); A. V. Oppenheim and R. W. Schafer, Discrete-Time Signal Processing, 3rd ed.,
+sec. 6.3 (direct form II).
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import lru_cache
 from math import comb
 from operator import mul
@@ -15,7 +18,11 @@ from operator import mul
 import numpy as np
 
 from zoh.analysis.loop import Array
+from zoh.lti import whole
 from zoh.lti.systems import Sampled
+
+_FAR = 64  # six poles at z = 0: the coefficients of more cost digits in delta
+_TOO_FAR = 1 << 13  # of these it costs more than the rounding of the coefficients in z
 
 
 def realised(system: Sampled) -> tuple[list[float], list[float], float]:
@@ -38,18 +45,39 @@ def realised(system: Sampled) -> tuple[list[float], list[float], float]:
 class Chain:
     """A chain of sums in a motion, u = c x + d e.
 
-    steps  in the place of x_0 stands its step s = e - a x; a_0 x_0 = e - s - (a_1 x_1 + ...)
+    steps      in the place of x_0 stands its step s = e - a x; a_0 x_0 = e - s - (a_1 x_1 + ...)
+    registers  no sums: x_0(k+1) = e(k) - a x(k), x_i(k+1) = x_{i-1}(k)
     """
 
     a: Sequence[float]
     c: Sequence[float]
     d: float
     steps: bool = False
+    registers: bool = False
 
     @classmethod
     def of(cls, system: Sampled) -> "Chain":
-        """Return ``realised`` as a chain."""
-        return cls(*realised(system))
+        """Return ``realised`` as a chain, or as a register where that keeps more digits."""
+        return cls._in_registers(*_wholes(system)) or cls(*realised(system))
+
+    @classmethod
+    def _in_registers(cls, num: Sequence[int], den: Sequence[int]) -> "Chain | None":
+        """Return the register of num/den in delta, None where sums keep more digits.
+
+        >>> Chain.of(Sampled(num=[1, *[0] * 6, 0.5], den=[1, *[0] * 7], dt=1.0)).c  # 1 + z^-7/2
+        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5]
+        """
+        size, lead = sum(map(abs, den)), den[0]
+        if size <= _FAR * abs(lead):
+            return None
+        (first, *nums), (_, *dens) = _in_z(num), _in_z(den)
+        a = [x / lead for x in dens]
+        if size <= _TOO_FAR * abs(lead) and any(
+            Fraction(part) * lead != x for part, x in zip(a, dens, strict=True)
+        ):
+            return None
+        c = [(x * lead - first * y) / (lead * lead) for x, y in zip(nums, dens, strict=True)]
+        return cls(a, c, first / lead, registers=True)
 
     @classmethod
     def followed(cls, system: Sampled) -> "Chain":
@@ -59,9 +87,11 @@ class Chain:
         its step the sum takes nothing back: s is what e moves by, and little more.
 
         >>> Chain.followed(Sampled(num=[1001.0, -1000.0], den=[1, 0], dt=1e-3))
-        Chain(a=[1.0], c=[1000.0], d=1.0, steps=True)
+        Chain(a=[1.0], c=[1000.0], d=1.0, steps=True, registers=False)
         """
         num, den = _wholes(system)
+        if (register := cls._in_registers(num, den)) is not None:
+            return register
         (first, *nums), (lead, *dens) = num, den
         second, fast = (nums[0], dens[0]) if dens else (0, 0)
         if abs(second) * lead * lead >= fast * fast * abs(first):  # the step loses as many
@@ -78,10 +108,12 @@ class Chain:
         """
         for i in range(first + 1, first + len(self.a)):
             delta[i, i - 1] = 1.0
+            delta[i, i] = -1.0 if self.registers else 0.0
         if not self.steps:
             row = [*enters]
             for i, part in enumerate(self.a, first):
                 row[i] -= part
+            row[first] -= 1.0 if self.registers else 0.0
             delta[first] = row
             return
         fast, *others = self.a
@@ -103,6 +135,21 @@ def _wholes(system: Sampled) -> tuple[list[int], list[int]]:
     for i in range(len(den) - len(system.num)):
         num[i] = 0  # what z says is nothing is not the rounding of w
     return num, den
+
+
+def _in_z(a: Sequence[int]) -> list[int]:
+    """Return a(delta) in z, descending, delta = z - 1.
+
+    >>> _in_z([1, 0, 0])
+    [1, -2, 1]
+    """
+    return _turned_round(whole.shifted(_turned_round(a)))
+
+
+def _turned_round(a: Sequence[int]) -> list[int]:
+    """Return a(-x), descending."""
+    n = len(a) - 1
+    return [-c if (n - i) % 2 else c for i, c in enumerate(a)]
 
 
 def _in_delta(a_w: Sequence[int], half: tuple[int, int]) -> list[int]:

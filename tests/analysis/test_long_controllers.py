@@ -1,0 +1,79 @@
+"""Controllers with many poles far from z = 1, FIRs and Smith predictors, beside their recursions."""
+
+import mpmath
+import pytest
+
+import zoh
+from zoh.analysis.realised import Chain
+
+DT = 0.1
+LAG = zoh.Plant(num=[1], den=[1, 1])
+
+
+def figures(num, den, late, samples=600):
+    """Return (largest output, largest |effort|) of num/den on 1/(s + 1), ``late`` samples late.
+
+    By the difference equations: y(k+1) = a y(k) + (1 - a) u(k - late), a = exp(-dt), in 30 digits.
+    """
+    with mpmath.workdps(30):
+        a = mpmath.exp(-mpmath.mpf(DT))
+        num = [mpmath.mpf(c) / den[0] for c in [0] * (len(den) - len(num)) + list(num)]
+        den = [mpmath.mpf(c) / den[0] for c in den]
+        y, most, e, u = mpmath.mpf(0), mpmath.mpf(0), [], []
+        for k in range(samples):
+            most = max(most, y)
+            e.append(1 - y)
+            now = sum(c * e[k - i] for i, c in enumerate(num) if c and i <= k)
+            now -= sum(c * u[k - i] for i, c in enumerate(den) if c and 0 < i <= k)
+            u.append(now)
+            y = a * y + (1 - a) * (u[k - late] if k >= late else 0)
+        return float(most), float(max(map(abs, u)))
+
+
+def predictor(late):
+    """Return the Smith predictor that makes the loop 0.3/(z - 0.7) z^-late of a late lag.
+
+    With P = b/(z - a) z^-d it is C = 0.3 (z - a)/b/(z - 0.7 - 0.3 z^-d).
+    """
+    a = float(mpmath.exp(-mpmath.mpf(DT)))
+    num = [0.3 / (1 - a), -0.3 * a / (1 - a)] + [0.0] * late
+    return num, [1.0, -0.7] + [0.0] * (late - 1) + [-0.3]
+
+
+@pytest.mark.parametrize("taps", [5, 7, 15, 20, 30])
+def test_a_moving_average_beside_its_recursion(taps):
+    num, den = [1.0] * taps, [100.0] + [0.0] * taps
+    step = zoh.verify(LAG, zoh.Sampled(num=num, den=den, dt=DT)).step
+    assert step.peak_effort == pytest.approx(figures(num, den, 0)[1], rel=1e-13)
+
+
+@pytest.mark.parametrize("late", [4, 12, 20, 33, 36, 40])
+def test_a_smith_predictor_beside_its_recursion(late):
+    """Its characteristic polynomial is (z - a)(z - 0.7) z^(2 late) and no other: stable."""
+    num, den = predictor(late)
+    plant = zoh.Plant(num=[1], den=[1, 1], dead_time=late * DT)
+    found = zoh.verify(plant, zoh.Sampled(num=num, den=den, dt=DT))
+    most, effort = figures(num, den, late)
+    assert found.margins.stable is True
+    assert most < 1
+    assert found.step.overshoot_pct == 0.0
+    assert found.step.peak_effort == pytest.approx(effort, rel=1e-12)
+
+
+def test_an_average_of_thirty_with_an_integrator_is_followed():
+    num, den = [0.02 / 30] * 30 + [0.0], [1.0, -1.0] + [0.0] * 29
+    plant = zoh.Plant(num=[1], den=[1, 1], dead_time=2.0)
+    found = zoh.verify(plant, zoh.Sampled(num=num, den=den, dt=DT))
+    most, effort = figures(num, den, 20)
+    assert found.step.peak == pytest.approx(most, rel=1e-11)  # an integrator sums the roundings
+    assert found.step.peak_effort == pytest.approx(effort, rel=1e-11)  # of thirty coefficients
+
+
+@pytest.mark.parametrize(("slow", "far"), [(1, 5), (3, 5), (9, 0)])
+def test_sums_where_they_cost_no_digits(slow, far):
+    """A pole near z = 1 is a small number in delta; in z its last digits are lost."""
+    system = zoh.Sampled(num=[1], den=[1], dt=DT)
+    for pole, many in ((1 - 2.0**-20, slow), (0.01, far)):
+        for _ in range(many):
+            system = system * zoh.Sampled(num=[1, 0.5], den=[1, -pole], dt=DT)
+    assert not Chain.of(system).registers
