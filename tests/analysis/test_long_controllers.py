@@ -1,4 +1,4 @@
-"""Controllers with many poles far from z = 1, FIRs and Smith predictors, beside their recursions."""
+"""Many poles far from z = 1: moving averages and Smith predictors, beside their recursions."""
 
 import mpmath
 import pytest
@@ -67,6 +67,51 @@ def test_an_average_of_thirty_with_an_integrator_is_followed():
     most, effort = figures(num, den, 20)
     assert found.step.peak == pytest.approx(most, rel=1e-11)  # an integrator sums the roundings
     assert found.step.peak_effort == pytest.approx(effort, rel=1e-11)  # of thirty coefficients
+
+
+def in_z(a_w, dt):
+    """Return a(w) (dt (z + 1)/2)^n in z, descending, w = 2/dt (z - 1)/(z + 1)."""
+    z, n = mpmath.mpf(1), len(a_w) - 1
+    out = [mpmath.mpf(0)] * (n + 1)
+    for i, c in enumerate(a_w):
+        row = [z]
+        for factor in [-1] * (n - i) + [1] * i:
+            row = [x + factor * y for x, y in zip([*row, 0], [0, *row], strict=True)]
+        out = [x + c * (mpmath.mpf(dt) / 2) ** i * y for x, y in zip(out, row, strict=True)]
+    return out
+
+
+def with_notches(many, samples=400):
+    """Return (the design of a PID with notches, overshoot in %, largest effort).
+
+    By the arm's own motion, y'' + a y' = k u, and the difference equation, in 60 digits.
+    """
+    gain, pole = 2.3 * 12 / 180, 0.7809
+    arm = zoh.Plant(num=[2.3], den=[1, pole, 0], sensor=12 / 180)
+    notches = [zoh.notch(w0=20 + 0.3 * i, depth=0.05, width=0.3) for i in range(many)]
+    d = zoh.pid(arm, dt=DT, wc=1.0, pm_deg=40, ki=0.3, sections=notches)
+    with mpmath.workdps(60):
+        num, den = (in_z(a, DT) for a in d.controller.whole_w[:2])
+        a, dt = mpmath.mpf(pole), mpmath.mpf(DT)
+        fall = mpmath.exp(-a * dt)
+        rise = (1 - fall) / a
+        y, v, top, most = (mpmath.mpf(0) for _ in range(4))
+        e, u = [mpmath.mpf(0)] * len(num), [mpmath.mpf(0)] * len(num)
+        for _ in range(samples):
+            top, e = max(top, y), [1 - y, *e[:-1]]
+            now = (mpmath.fdot(num, e) - mpmath.fdot(den[1:], u[:-1])) / den[0]
+            most, u = max(most, abs(now)), [now, *u[:-1]]
+            y += v * rise + gain * now * (dt - rise) / a
+            v = v * fall + gain * now * rise
+        return d, float(100 * (top - 1)), float(most)
+
+
+@pytest.mark.parametrize(("many", "rel"), [(2, 1e-11), (4, 1e-9), (5, 1e-9), (6, 1e-7)])
+def test_notches_beside_each_other(many, rel):
+    """``rel``: many poles near one pair are moved by each rounding of a coefficient."""
+    d, overshoot, effort = with_notches(many)
+    assert d.step.overshoot_pct == pytest.approx(overshoot, rel=rel)
+    assert d.step.peak_effort == pytest.approx(effort, rel=rel)
 
 
 @pytest.mark.parametrize(("slow", "far"), [(1, 5), (3, 5), (9, 0)])

@@ -48,7 +48,7 @@ def test_margins_in_json():
 
 
 def test_the_delay_margin_in_samples():
-    # the integrator 1/(z - 1): |L| is 1 at pi/3 rad a sample, 60 deg short of -180, one sample's turn
+    # the integrator 1/(z - 1): |L| is 1 at pi/3 rad a sample, a sample's turn short of -1
     found = margins(Sampled(num=[1], den=[1, -1], dt=0.25))
     assert found.delay_margin_samples == pytest.approx(1.0, rel=1e-12)
     assert found.to_dict()["delay_margin_samples"] == found.delay_margin_samples

@@ -10,7 +10,6 @@ sec. 6.3 (direct form II).
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import lru_cache
 from math import comb
 from operator import mul
@@ -22,7 +21,9 @@ from zoh.lti import whole
 from zoh.lti.systems import Sampled
 
 _FAR = 64  # six poles at z = 0: the coefficients of more cost digits in delta
-_TOO_FAR = 1 << 13  # of these it costs more than the rounding of the coefficients in z
+_LOST = 1e8  # roundings that a response may be off by: of many more nothing is left of it
+_GONE = 0.3  # a pole so near to z = 0 may be where it likes
+_AT_REST = 1e-9  # of a pole: an integrator's distance from z = 1 is 0, and not to be kept
 
 
 def realised(system: Sampled) -> tuple[list[float], list[float], float]:
@@ -47,6 +48,7 @@ class Chain:
 
     steps      in the place of x_0 stands its step s = e - a x; a_0 x_0 = e - s - (a_1 x_1 + ...)
     registers  no sums: x_0(k+1) = e(k) - a x(k), x_i(k+1) = x_{i-1}(k)
+    holds      whether floats hold what it does; where not, its states swing each other up
     """
 
     a: Sequence[float]
@@ -54,30 +56,32 @@ class Chain:
     d: float
     steps: bool = False
     registers: bool = False
+    holds: bool = True
 
     @classmethod
     def of(cls, system: Sampled) -> "Chain":
         """Return ``realised`` as a chain, or as a register where that keeps more digits."""
-        return cls._in_registers(*_wholes(system)) or cls(*realised(system))
+        return cls._of_far(system, *_wholes(system)) or cls(*realised(system))
 
     @classmethod
-    def _in_registers(cls, num: Sequence[int], den: Sequence[int]) -> "Chain | None":
-        """Return the register of num/den in delta, None where sums keep more digits.
+    def _of_far(cls, system: Sampled, num: Sequence[int], den: Sequence[int]) -> "Chain | None":
+        """Return the better chain of a system with many poles far from z = 1, None of another.
+
+        num, den  in delta
 
         >>> Chain.of(Sampled(num=[1, *[0] * 6, 0.5], den=[1, *[0] * 7], dt=1.0)).c  # 1 + z^-7/2
         [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5]
         """
-        size, lead = sum(map(abs, den)), den[0]
-        if size <= _FAR * abs(lead):
+        lead, size = den[0], sum(map(abs, den)) / abs(den[0])
+        if size <= _FAR:
             return None
         (first, *nums), (_, *dens) = _in_z(num), _in_z(den)
         a = [x / lead for x in dens]
-        if size <= _TOO_FAR * abs(lead) and any(
-            Fraction(part) * lead != x for part, x in zip(a, dens, strict=True)
-        ):
-            return None
+        spoilt = _spoilt(a)
+        if spoilt > size * size:
+            return cls(*realised(system), holds=size * size < _LOST)
         c = [(x * lead - first * y) / (lead * lead) for x, y in zip(nums, dens, strict=True)]
-        return cls(a, c, first / lead, registers=True)
+        return cls(a, c, first / lead, registers=True, holds=spoilt < _LOST)
 
     @classmethod
     def followed(cls, system: Sampled) -> "Chain":
@@ -87,11 +91,11 @@ class Chain:
         its step the sum takes nothing back: s is what e moves by, and little more.
 
         >>> Chain.followed(Sampled(num=[1001.0, -1000.0], den=[1, 0], dt=1e-3))
-        Chain(a=[1.0], c=[1000.0], d=1.0, steps=True, registers=False)
+        Chain(a=[1.0], c=[1000.0], d=1.0, steps=True, registers=False, holds=True)
         """
         num, den = _wholes(system)
-        if (register := cls._in_registers(num, den)) is not None:
-            return register
+        if (far := cls._of_far(system, num, den)) is not None:
+            return far
         (first, *nums), (lead, *dens) = num, den
         second, fast = (nums[0], dens[0]) if dens else (0, 0)
         if abs(second) * lead * lead >= fast * fast * abs(first):  # the step loses as many
@@ -135,6 +139,24 @@ def _wholes(system: Sampled) -> tuple[list[int], list[int]]:
     for i in range(len(den) - len(system.num)):
         num[i] = 0  # what z says is nothing is not the rounding of w
     return num, den
+
+
+def _spoilt(a: Sequence[float]) -> float:
+    """Return how many roundings a pole's distance from z = 1 is off by, of itself, in a register.
+
+    A part e of every coefficient of z^n + a_1 z^(n-1) + ... moves a simple root by
+    e sum |a_i z^(n-i)|/|product of its distances from the others|, to first order.
+    Source: J. H. Wilkinson, Rounding Errors in Algebraic Processes, ch. 2.
+    """
+    roots = np.roots([1.0, *a])
+    here = roots[np.abs(roots) > _GONE]
+    if not len(here):
+        return 0.0
+    apart = np.abs(here[:, None] - roots)
+    apart[apart == 0] = 1.0  # from itself
+    from_one = np.abs(here - 1)
+    moved = (1 + sum(map(abs, a))) / apart.prod(axis=1)
+    return float((moved / np.where(from_one > _AT_REST, from_one, 1.0)).max())
 
 
 def _in_z(a: Sequence[int]) -> list[int]:

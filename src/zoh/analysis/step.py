@@ -54,6 +54,8 @@ def step_info(system: Plant | Sampled) -> StepInfo:
     try:
         with np.errstate(over="raise", invalid="raise"):
             motion = continuous(system, _interval(loop.den))
+            if not np.isfinite(motion.output).all():
+                raise OverflowError
             return _Seen.of(motion, motion.track(final), final, 1.0, system.dead_time).between()
     except (ArithmeticError, np.linalg.LinAlgError):
         raise SpecError(
