@@ -53,6 +53,9 @@ def response(
 ) -> Response:
     """Return the figures of a stable loop excited ``by`` a step, impulse, ramp or disturbance.
 
+    A disturbance acts behind the plant's dead time: it is added from t = 0, a sample, on to what
+    has come through. One that comes before it is the same, later by the dead time.
+
     Raises SpecError for an unstable loop, an unknown excitation and a table, which has no response
     in time.
 
