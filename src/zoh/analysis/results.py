@@ -120,8 +120,8 @@ class StepInfo:
     effort_range        the least and the largest u; None for a bare T
 
     What does not exist is None: a percentage of a final value of 0; the peak time of a response
-    that creeps up to its final value; the settling time of one that has not come to rest by the
-    horizon.
+    that creeps up to its final value; the settling time of one that may leave its band
+    after the horizon.
     """
 
     stable: bool = True
