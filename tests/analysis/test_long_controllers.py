@@ -4,6 +4,7 @@ import mpmath
 import pytest
 
 import zoh
+from zoh.analysis.closed import closed_loop
 from zoh.analysis.realised import Chain
 
 DT = 0.1
@@ -114,11 +115,30 @@ def test_notches_beside_each_other(many, rel):
     assert d.step.peak_effort == pytest.approx(effort, rel=rel)
 
 
-@pytest.mark.parametrize(("slow", "far"), [(1, 5), (3, 5), (9, 0)])
-def test_sums_where_they_cost_no_digits(slow, far):
-    """A pole near z = 1 is a small number in delta; in z its last digits are lost."""
+def slow_and_far(slow, far):
+    """Return poles beside z = 1 and beside z = 0, in one fraction."""
     system = zoh.Sampled(num=[1], den=[1], dt=DT)
     for pole, many in ((1 - 2.0**-20, slow), (0.01, far)):
         for _ in range(many):
             system = system * zoh.Sampled(num=[1, 0.5], den=[1, -pole], dt=DT)
-    assert not Chain.of(system).registers
+    return system
+
+
+@pytest.mark.parametrize(("far", "holds"), [(12, True), (14, False)])
+def test_what_neither_form_holds_is_refused(far, holds):
+    """Far poles swing the sums up, 2 to their number; a register loses three near one another."""
+    system = slow_and_far(3, far)
+    chain = Chain.of(system)
+    assert not chain.registers
+    assert chain.holds is holds
+    if not holds:
+        with pytest.raises(zoh.SpecError, match=r"system must .*, got '17 states that swing"):
+            zoh.step_info(system)
+        with pytest.raises(zoh.SpecError, match=r"controller must .*: use fewer sections"):
+            closed_loop(LAG, system)
+
+
+@pytest.mark.parametrize(("slow", "far"), [(1, 5), (3, 5), (9, 0)])
+def test_sums_where_they_cost_no_digits(slow, far):
+    """A pole near z = 1 is a small number in delta; in z its last digits are lost."""
+    assert not Chain.of(slow_and_far(slow, far)).registers
