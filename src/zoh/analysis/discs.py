@@ -6,7 +6,7 @@ Source: R. E. Moore, Interval Analysis, 1966, ch. 3 (centred forms, subdivision)
 """
 
 from collections.abc import Callable, Sequence
-from math import inf, pi
+from math import inf, isfinite, pi
 
 import numpy as np
 
@@ -203,10 +203,11 @@ def unstable_zeros(loop: Loop, v: Array) -> int | None:
         if ends is None:
             return None
         f, g = (np.add(*part.at(x)) for x in ends)
+        f, g = f / np.abs(f), g / np.abs(g)  # their product may be beyond floats
         step = np.angle(g * np.conj(f)).sum()
         turned += -step if part.beyond else step
     zeros = (len(loop.den) - 1) / 2 - turned / pi
-    return round(zeros) if abs(zeros - round(zeros)) <= _WHOLE else None
+    return round(zeros) if isfinite(zeros) and abs(zeros - round(zeros)) <= _WHOLE else None
 
 
 Claim = Callable[[Discs], tuple[Array, Array]]
