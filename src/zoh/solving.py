@@ -210,13 +210,29 @@ def not_as_asked(m: Margins, spec: Crossover | None) -> list[str]:
     """Return what is not as the crossover was asked for; instability speaks for itself."""
     if spec is None or not m.stable or not off_target(m, spec):
         return []
-    at = "no frequency" if m.crossover is None else f"{m.crossover:.6g} rad/s"
-    wanted = f"{spec.pm_deg:g} deg at {spec.wc:g} rad/s"
-    measured = f"the phase margin is {m.phase_margin_deg:.6g} deg at {at}"
+    wanted, is_ = _apart((spec.pm_deg, spec.wc), (m.phase_margin_deg, m.crossover))
+    measured = f"the phase margin is {is_}"
     exact = [w for w, _ in m.gain_crossings if abs(w / spec.wc - 1) <= _CROSSOVER_TOL]
     if exact:  # it does cross over where it should: somewhere else the margin is smaller
         return [f"{measured}, another crossover of this loop, not {wanted}"]
     return [f"{measured}, not {wanted}: the loop does not cross over there"]
+
+
+def _apart(wanted: tuple[float, float], found: tuple[float, float | None]) -> list[str]:
+    """Return two margins in words, in as many digits as tell them apart.
+
+    >>> _apart((40.0, 2.0), (40.0, 2.0000001))
+    ['40 deg at 2 rad/s', '40 deg at 2.0000001 rad/s']
+    """
+    said: list[str] = []
+    for digits in (6, 12, 17):
+        said = [
+            f"{pm:.{digits}g} deg at " + ("no frequency" if w is None else f"{w:.{digits}g} rad/s")
+            for pm, w in (wanted, found)
+        ]
+        if said[0] != said[1]:
+            break
+    return said
 
 
 def opposite(values: Mapping[str, float]) -> dict[str, float]:

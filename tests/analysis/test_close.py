@@ -5,14 +5,8 @@ from math import atan, inf, pi, sqrt, tan
 import numpy as np
 import pytest
 
-from zoh.analysis.close import (
-    _AROUND,
-    Close,
-    _delay_grid,
-    _landmarks,
-    _middle,
-    _suspects,
-)
+from zoh.analysis import close
+from zoh.analysis.close import _AROUND, Close, _landmarks, _middle, _suspects
 from zoh.analysis.loop import Loop
 from zoh.analysis.squares import DROP, ON_DEN, ON_NUM, ON_OPPOSITE, Squares
 from zoh.errors import SpecError
@@ -26,6 +20,10 @@ def look(plant):
 
 def late(num, den, dead_time):
     return Loop.of(Plant(num=num, den=den, dead_time=dead_time))
+
+
+def _delay_grid(loop, v):
+    return close._delay_grid(loop, Squares.of(loop), v)[0]
 
 
 def near(v, wanted, rel=1e-9):
@@ -109,8 +107,10 @@ def test_a_dead_time_that_turns_too_often_is_followed_to_a_half_or_refused():
     with pytest.raises(SpecError) as told:
         _delay_grid(loop, np.geomspace(1.0, 2e7, 100))
     assert (told.value.argument, told.value.value) == ("dead_time", 1.0)
-    # |L| is above a half up to 2e7: 40 000 rad are 0.002 s of that
-    assert told.value.bound == "must be at most 0.002 s for a loop as fast as this"
+    # |L| is 1 at 1e7: 40 000 rad are 0.004 s of that, and two turns belong to them
+    assert told.value.bound == "must be at most 0.003996 s for a loop as fast as this"
+    waits = late([1e7], [1.0, 0.0], 0.003996)
+    assert _delay_grid(waits, np.geomspace(1.0, 2e7, 100))[-1] == pytest.approx(1e7, rel=1e-3)
     assert told.value.way_out == "what turns that often is no control loop"
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from zoh.analysis import discs
-from zoh.analysis.discs import DISC_TOL, _stays_above
+from zoh.analysis.discs import DISC_TOL, _off_at_any_phase, _stays_above, floor_of
 from zoh.analysis.loop import Loop
 from zoh.analysis.squares import ON_DEN, ON_NUM, ON_OPPOSITE
 from zoh.analysis.stretches import Discs
@@ -35,8 +35,10 @@ def asked(monkeypatch):
         claims.append(holds)
         return V, V
 
-    def count(_, value, slope, at):
+    def count(_, value, slope, at, sure=None):
         claims.append((value, slope, at))
+        if sure:
+            claims.append(sure)
         return 0
 
     monkeypatch.setattr(discs, "decided", catch)
@@ -88,6 +90,24 @@ def test_one_stretch_that_is_not_decided_is_enough(monkeypatch):
         left = iter(answers)
         monkeypatch.setattr(discs, "decided", lambda *_, left=left: next(left))
         assert discs.least(LOOP, V, 1.0, ON_DEN).holds is proved
+
+
+def test_what_is_known_beyond_the_last_point_is_not_asked_again(asked):
+    assert discs.least(LOOP, V, 1.0, ON_DEN, upto_last=True).holds
+    assert len(asked) == 1
+    assert discs.least(LOOP, V, 1.0, ON_DEN).holds
+    assert len(asked) == 3
+    assert floor_of(3.0) == 3.0 * (1 - DISC_TOL)
+
+
+def test_t_keeps_off_a_level_for_the_size_of_l_alone():
+    """den = 4 +- 1, num = 2j +- 1/2: |T| is from (3/2)/(5 + 3/2) to (5/2)/(3 - 5/2)."""
+    d = discs_of(2j, 0.5, 4.0, 1.0, top_least=1.5)
+    for level, off in ((3 / 13, True), (5.0, False)):
+        assert _off_at_any_phase(d, level * (1 - 1e-12)).tolist() == [off]
+        assert _off_at_any_phase(d, level * (1 + 1e-12)).tolist() == [not off]
+    # |L| may be 1: no size of T is too large
+    assert not _off_at_any_phase(discs_of(2j, 0.5, 4.0, 1.5, top_least=1.5), 1e9).any()
 
 
 # den = 2 and num = 1, which grow by 1/2 and 1/4: with x = den + num and level = floor^2
@@ -146,6 +166,9 @@ def test_t_beside_its_level_and_its_slope(asked):
     radius = 0.105 + 0.5**0.5 * 0.1 + (0.8125**0.5 * 0.3 + 5**0.5 * 0.15 + 0.045) / 4
     assert np.ravel(slope(TURNING)) == pytest.approx([1 - 1.75 / 4, radius], rel=1e-14)
     # 1 - |exp(-jw) + 1 + jw|^2/4
+    sure = asked[1]
+    assert sure(discs_of(2j, 0.1, 1.0, 0.2, 1.9)).tolist() == [True]  # |T| >= 1.9/3.1
+    assert sure(discs_of(2j, 0.1, 1.0, 0.2, 1.1)).tolist() == [False]
     for w in (0.0, 0.5, 2.0):
         wanted = 1 - abs(np.exp(-1j * w) + 1 + 1j * w) ** 2 / 4
         assert at(discs.stretches(LOOP, V)[0], np.array([w]))[0] == pytest.approx(wanted, abs=1e-14)

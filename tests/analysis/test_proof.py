@@ -41,7 +41,8 @@ def looked(loop):
     squares = Squares.of(loop)
     look = Close.of(loop, squares)
     peaks = [peak(loop, squares, look, below) for below in (ON_DEN, ON_NUM, ON_OPPOSITE)]
-    return loop, squares, look, Found(look.unities(), look.turns(), look.drops(), peaks)
+    factor = measure_loop(loop).gain_margin
+    return loop, squares, look, Found(look.unities(), look.turns(), look.drops(), peaks, factor)
 
 
 @pytest.mark.parametrize("loop", LOOPS.values(), ids=LOOPS)

@@ -4,7 +4,7 @@ from fractions import Fraction
 
 import pytest
 
-from zoh.analysis.realised import realised
+from zoh.analysis.realised import _spoilt, realised
 from zoh.lti.systems import Sampled
 
 
@@ -58,6 +58,22 @@ def test_the_transfer_function_is_that_of_the_w_form(dt):
         )
         got = transfer(realised(system), delta)
         assert float(got / (top / bottom)) == pytest.approx(1.0, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("a", "wanted"),
+    [
+        # (z - 1)(z - 1/2): (1 + 3/2 + 1/2)/(1/2) = 6 at 1; at 1/2, as far from 1 as that, 12
+        ([-1.5, 0.5], 12.0),
+        # (z - 1)(z + 1): 2/2 at 1; 1/2 at -1, of a distance of 2
+        ([0.0, -1.0], 1.0),
+        # (z - 1/2)(z - 1/4): 15/8 over 1/4 over 1/2; what is nearer to 0 is not asked
+        ([-0.75, 0.125], 15.0),
+        ([0.25, 0.0], 0.0),
+    ],
+)
+def test_how_many_roundings_a_pole_is_moved_by_in_a_register(a, wanted):
+    assert _spoilt(a) == pytest.approx(wanted, rel=1e-12)
 
 
 def test_the_smallest_of_all_numbers():

@@ -7,7 +7,9 @@ from math import inf
 import pytest
 
 from zoh.analysis.certificates import Certificate, Proof
+from zoh.analysis.margins import margins
 from zoh.analysis.results import Choice, Gains, Margins, StepInfo, jsonable
+from zoh.lti.systems import Plant, Sampled
 
 YES = Proof(holds=True, method="Descartes", detail="2 sign changes, 2 found")
 NO = Proof(holds=False, method="halving", detail="1 sign changes on the axis, 2 found")
@@ -29,7 +31,8 @@ MARGINS = Margins(
 )  # fmt: skip
 IN_JSON = {
     "stable": True, "gain_margin": 10.0, "gain_margin_db": 20.0, "phase_crossover": 2.0,
-    "phase_margin_deg": 40.0, "crossover": 1.5, "delay_margin": 0.25, "modulus_margin": 0.5,
+    "phase_margin_deg": 40.0, "crossover": 1.5, "delay_margin": 0.25,
+    "delay_margin_samples": None, "modulus_margin": 0.5,
     "ms": 2.0, "ms_frequency": 1.75, "mt": 1.25, "mt_frequency": 1.375, "disk_margin": 0.75,
     "disk_frequency": 1.625, "bandwidth": 2.5, "gain_crossings": [[1.5, 40.0], ["inf", 90.0]],
     "phase_crossings": [[2.0, 10.0]], "certificate": None, "warnings": [],
@@ -42,6 +45,15 @@ def test_margins_in_json():
     assert proved.to_dict() == IN_JSON | {
         "certificate": COMPLETE.to_dict(), "warnings": ["doubt"]
     }  # fmt: skip
+
+
+def test_the_delay_margin_in_samples():
+    # the integrator 1/(z - 1): |L| is 1 at pi/3 rad a sample, a sample's turn short of -1
+    found = margins(Sampled(num=[1], den=[1, -1], dt=0.25))
+    assert found.delay_margin_samples == pytest.approx(1.0, rel=1e-12)
+    assert found.to_dict()["delay_margin_samples"] == found.delay_margin_samples
+    assert margins(Plant(num=[1], den=[1, 0])).delay_margin_samples is None
+    assert replace(MARGINS, delay_margin=inf, dt=0.5).to_dict()["delay_margin_samples"] == "inf"
 
 
 @pytest.mark.parametrize(

@@ -268,10 +268,11 @@ def test_under_a_delay_a_crossing_said_twice_for_its_neighbour_is_no_proof():
     loop = Loop.of(Plant(num=[2], den=[1, 1], dead_time=0.5))
     squares = Squares.of(loop)
     look = Close.of(loop, squares)
-    turns, stable = look.turns(), measure_loop(loop).certificate.stable
+    turns, measured = look.turns(), measure_loop(loop)
+    factor, stable = measured.gain_margin, measured.certificate.stable
     assert turns[0] == pytest.approx(float(mp.findroot(lambda w: w / 2 + mp.atan(w) - pi, 4)))
     for said, holds in ((turns, True), ([turns[0], *turns[:1], *turns[2:]], False)):
-        found = Found(look.unities(), said, look.drops(), [])
+        found = Found(look.unities(), said, look.drops(), [], factor)
         told = phases_of(loop, squares, look, found, stable)
         assert told.holds is holds
         assert told.detail.endswith("sign change of its own") is not holds

@@ -144,3 +144,31 @@ def test_where_integrators_alone_would_bring_the_loop_to_one():
     assert _slow_crossover(less) == pytest.approx([0.5], rel=1e-14)
     for num, den in (([1.0, 2.0], [1.0, 3.0]), ([1.0, 0.0], [1.0, 3.0]), ([1.0, 0.0], [1.0, 0.0])):
         assert _slow_crossover(Loop.of(Plant(num=num, den=den))) == []
+
+
+@pytest.mark.parametrize("end", [0.9999, 0.99999, 0.999999])
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("dead_time", [0.01, 1.0])
+def test_a_loop_that_turns_for_ever_just_below_1_is_decided(end, sign, dead_time):
+    """(s + 1)/(s + 2) grows to its end: |L| < 1 everywhere, and by the small gain it is stable."""
+    k = sign * end
+    quiet = Loop.of(Plant(num=[k, k], den=[1, 2], dead_time=dead_time))
+    stable, proof = decided(quiet)
+    assert stable is True
+    assert proof.holds
+    # (s + 2)/(s + 1) is 2 at s = 0 and falls: with the minus 1 + L(s) has a zero for a real s > 0;
+    # with the plus L goes around -1 unless |L| < 1 where it first is negative
+    loud = Loop.of(Plant(num=[k, 2 * k], den=[1, 1], dead_time=dead_time))
+    stable, proof = decided(loud)
+    assert stable is (sign > 0 and _first_turn(loud) < 1)
+    assert proof.holds
+
+
+def _first_turn(loop):
+    """Return |L| where (jw + 2)/(jw + 1) exp(-jw T) first is negative, to 1e-9 of w by halving."""
+    low, high = 0.0, pi / loop.dead_time
+    for _ in range(60):
+        w = (low + high) / 2
+        lag = w * loop.dead_time + atan(w) - atan(w / 2)
+        low, high = (w, high) if lag < pi else (low, w)
+    return loop.num[0] * sqrt((w * w + 4) / (w * w + 1))

@@ -13,16 +13,14 @@ import numpy as np
 
 from zoh.analysis.axis import scalar
 from zoh.analysis.crossings import least, merged, sign_changes
+from zoh.analysis.endless import around_the_fall, followed
 from zoh.analysis.loop import Array, ComplexArray, Loop
 from zoh.analysis.sharp import sharpened
 from zoh.analysis.squares import Below, Squares, corners
-from zoh.errors import SpecError
 from zoh.lti import poly, whole
 from zoh.lti.whole import Whole
 
-_LIKE_THE_END = 1.01  # times |L| at infinity: the turns from there on look alike
 _FLAT = 1e-12  # |L| - 1 that may be rounding
-_MOST = 200_000  # points on a dead time's turns; more turns than that are not a control loop
 # distances from a mode's frequency in units of its damping: near enough to see its peak, far
 # enough to meet the decades grid
 _AROUND = np.array([-30.0, -10, -4, -2, -1, -0.5, -0.2, 0, 0.2, 0.5, 1, 2, 4, 10, 30])
@@ -35,6 +33,7 @@ class Close:
     top, bottom  num, the delay in it, and den there
     reach        up to where L is followed around its turns: a continuous dead time turns what is
                  left of the loop for ever
+    further      from where to where it is followed beyond that
     """
 
     loop: Loop
@@ -43,6 +42,7 @@ class Close:
     top: ComplexArray
     bottom: ComplexArray
     reach: float
+    further: Sequence[tuple[float, float]] = ()
 
     @classmethod
     def of(cls, loop: Loop, squares: Squares) -> "Close":
@@ -50,12 +50,17 @@ class Close:
         signed = (squares.gain, squares.turn, squares.drop)
         roots = [_suspects(a) for a in signed]
         marks = _landmarks(loop, [2.0 ** (x / 2) for x in corners(signed)])
-        turns = _delay_grid(loop, marks)
-        v = np.unique(np.concatenate([marks, turns, *roots]))
+        turns, *further = _delay_grid(loop, squares, marks)
+        endless = bool(loop.dead_time) and loop.dt is None
+        reach = float(turns[-1]) if endless else inf
+        fall = around_the_fall(loop, squares, reach) if endless else np.empty(0)
+        v = np.unique(np.concatenate([marks, turns, *further, fall, *roots]))
         v = v[np.isfinite(v) & (v > 0)]
         top, bottom = loop.parts(v)
-        reach = float(turns[-1]) if loop.dead_time and loop.dt is None else inf
-        return cls(loop=loop, squares=squares, v=v, top=top, bottom=bottom, reach=reach)
+        return cls(
+            loop=loop, squares=squares, v=v, top=top, bottom=bottom, reach=reach,
+            further=[(float(x[0]), float(x[-1])) for x in further],
+        )  # fmt: skip
 
     def unities(self) -> list[float]:
         """Return every v at which |L| = 1, ascending."""
@@ -72,9 +77,13 @@ class Close:
         return self.squares.over_bottom(self.squares.gain, v) / 2
 
     def turns(self) -> list[float]:
-        """Return every v up to ``reach`` at which L is real, ascending."""
-        side = (self.top * np.conj(self.bottom)).imag
-        found = sign_changes(self.loop.side, self.v, np.sign(side) * (self.v <= self.reach))
+        """Return every v up to ``reach``, and in what is ``further``, at which L is real."""
+        signs = np.sign((self.top * np.conj(self.bottom)).imag)
+        found: list[float] = []
+        for low, high in ((0.0, self.reach), *self.further):
+            seen = (low <= self.v) & (self.v <= high)
+            found += sign_changes(self.loop.side, self.v[seen], signs[seen])
+        found = merged(found)
         return _sharpened(self.squares.turn, found) if self.squares.whole else found
 
     def drops(self) -> list[float]:
@@ -162,32 +171,14 @@ def around(modes: ComplexArray) -> Array:
     return np.concatenate([beside.ravel(), np.abs(modes)])
 
 
-def _delay_grid(loop: Loop, v: Array) -> Array:
-    """Return frequencies at every 0.2 rad of the delay's phase lag.
-
-    A continuous dead time turns the loop for ever: it is followed while |L| is above a
-    thousandth on the grid v (of its largest value, where that is below 1; a half, where that
-    would be too far), and two turns further. Where |L| ends at more than that, the end is what
-    every further turn is like.
+def _delay_grid(loop: Loop, squares: Squares, v: Array) -> list[Array]:
+    """Return frequencies at every 0.2 rad of the delay's phase lag, a continuous one's as far as
+    ``followed`` on the grid v.
     """
     if not loop.dead_time:
-        return np.empty(0)
+        return [np.empty(0)]
     if loop.dt is None:
-        v = np.concatenate([v, v[-1] * np.geomspace(1.1, 1e6, 150)])  # |L| may fall slowly
-        top, bottom = (np.abs(part) for part in loop.parts(v))
-        turn, loudest = 0.2 / loop.dead_time, float((top / bottom).max())
-        at_the_end = _LIKE_THE_END * abs(loop.num[0] / loop.den[0])
-        for quiet in (1e-3 * min(1.0, loudest), 0.5):
-            loud = v[top > max(quiet, at_the_end) * bottom]
-            reach = (loud[-1] if loud.size else 0.0) + 4 * pi / loop.dead_time
-            if reach <= _MOST * turn:
-                return np.asarray(turn * np.arange(1, int(reach / turn) + 2), float)
-        raise SpecError(
-            "dead_time",
-            f"must be at most {_MOST * 0.2 / reach:.4g} s for a loop as fast as this",
-            loop.dead_time,
-            "what turns that often is no control loop",
-        )
+        return followed(loop, squares, v)
     turns = loop.dead_time / loop.dt
     half = np.arange(1, int(turns * pi / 0.2) + 2) * 0.1 / turns
-    return np.asarray(2 / loop.dt * np.tan(half[half < pi / 2]), float)
+    return [np.asarray(2 / loop.dt * np.tan(half[half < pi / 2]), float)]

@@ -6,7 +6,7 @@ Source: R. E. Moore, Interval Analysis, 1966, ch. 3 (centred forms, subdivision)
 """
 
 from collections.abc import Callable, Sequence
-from math import pi
+from math import inf, isfinite, pi
 
 import numpy as np
 
@@ -30,13 +30,20 @@ _WHOLE = 0.1  # of a zero: the angles' rounding is a millionth of it, any mistak
 _JUST_BEYOND = 1e-7  # of a root: far enough for its sign, near enough to have no other one
 
 
-def least(loop: Loop, v: Array, value: float, below: Below) -> Proof:
+def floor_of(value: float) -> float:
+    """Return what is proved of a peak's value: that no ratio is less."""
+    return value * (1 - DISC_TOL)
+
+
+def least(loop: Loop, v: Array, value: float, below: Below, *, upto_last: bool = False) -> Proof:
     """Return whether |den + num| >= value |below| everywhere, but for DISC_TOL of it.
+
+    upto_last  whether what is beyond the last of v is known already
 
     From the discs at once; where num is loud and of any phase from its least size; else from
     the value at the centre and the slope.
     """
-    floor = value * (1 - DISC_TOL)
+    floor = floor_of(value)
 
     def holds(d: Discs) -> Bools:
         """Ask L = top/bottom where it stays in a disc, and both apart where it may be infinite."""
@@ -56,7 +63,8 @@ def least(loop: Loop, v: Array, value: float, below: Below) -> Proof:
         good[~good] = _stays_above(d.where(~good), floor, below)
         return good
 
-    proved = all(decided(part, holds) is not None for part in stretches(loop, v))
+    parts = stretches(loop, v)[: 1 if upto_last else 2]
+    proved = all(decided(part, holds) is not None for part in parts)
     detail = f"nowhere below {value:.9g} by more than {DISC_TOL:g} of it"
     return Proof(holds=proved, method="discs", detail=detail)
 
@@ -123,7 +131,7 @@ def passages(loop: Loop, v: Array, level: float, found: Sequence[float]) -> Proo
     if not level:
         return Proof(holds=not found, method="bound", detail="T is 0 or infinite at w = 0")
     if found:
-        end = found[0] * (1 + _JUST_BEYOND)
+        end = min(found[0] * (1 + _JUST_BEYOND), (found[0] + min(found[1:], default=inf)) / 2)
         v = np.append(v[v < end], end)
     square = level * level
 
@@ -145,8 +153,11 @@ def passages(loop: Loop, v: Array, level: float, found: Sequence[float]) -> Proo
         top, bottom = part.at(x)
         return np.asarray(np.abs(top) ** 2 - square * np.abs(top + bottom) ** 2)
 
+    def sure(d: Discs) -> Bools:
+        return _off_at_any_phase(d, level)
+
     upto, beyond = stretches(loop, v)
-    counts = [_changes(upto, value, slope, at)]
+    counts = [_changes(upto, value, slope, at, sure)]
     if not found and loop.dt is None:
         counts.append(0 if _keeps_off(beyond, level) else None)
     elif not found:
@@ -160,6 +171,16 @@ def _keeps_off(beyond: Stretch, level: float) -> bool:
     top, bottom = (taylor(a, half, half) for a in (beyond.num, beyond.den))
     (low, high), (least, most) = ((abs(x[0]) - x[1], abs(x[0]) + x[1]) for x in (top, bottom))
     return bool((low > level * (most + low)).all() or (high < level * (least - high)).all())
+
+
+def _off_at_any_phase(d: Discs, level: float) -> Bools:
+    """Return where |T| keeps off the level for the size of L alone: it is |L|/|1 + L|.
+
+    So nobody has to follow the turns of a delay where L is loud enough, or quiet enough.
+    """
+    least, most = np.abs(d.bottom) - d.bottom_radius, np.abs(d.bottom) + d.bottom_radius
+    low, high = d.top_least, np.abs(d.top) + d.top_radius
+    return np.asarray((low > level * (most + low)) | (high < level * (least - high)))
 
 
 def unstable_zeros(loop: Loop, v: Array) -> int | None:
@@ -182,26 +203,30 @@ def unstable_zeros(loop: Loop, v: Array) -> int | None:
         if ends is None:
             return None
         f, g = (np.add(*part.at(x)) for x in ends)
+        f, g = f / np.abs(f), g / np.abs(g)  # their product may be beyond floats
         step = np.angle(g * np.conj(f)).sum()
         turned += -step if part.beyond else step
     zeros = (len(loop.den) - 1) / 2 - turned / pi
-    return round(zeros) if abs(zeros - round(zeros)) <= _WHOLE else None
+    return round(zeros) if isfinite(zeros) and abs(zeros - round(zeros)) <= _WHOLE else None
 
 
 Claim = Callable[[Discs], tuple[Array, Array]]
 
 
 def _changes(
-    part: Stretch, value: Claim, slope: Claim, at: Callable[[Stretch, Array], Array]
-) -> int | None:
+    part: Stretch, value: Claim, slope: Claim, at: Callable[[Stretch, Array], Array],
+    sure: Callable[[Discs], Bools] | None = None,
+) -> int | None:  # fmt: skip
     """Return the sign changes of a function inside a stretch; None where it is not decided.
 
-    On each interval either its value keeps its sign or its slope does.
+    On each interval either its value keeps its sign, for what ``sure`` knows, too, or its slope
+    does.
     """
 
     def one_way(d: Discs) -> Bools:
         (y, r), (s, q) = value(d), slope(d)
-        return np.asarray((np.abs(y) > r) | (np.abs(s) > q))
+        kept = (np.abs(y) > r) | (np.abs(s) > q)
+        return np.asarray(kept | sure(d) if sure else kept)
 
     ends = decided(part, one_way)
     if ends is None:

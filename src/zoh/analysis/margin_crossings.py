@@ -103,7 +103,7 @@ def _at_turn(
         if any(_is_nothing_at(q, factor) for factor in loop.factors):
             return None  # L is 0 or infinite there
         return loop.frequency(as_v(q)), squares.factor(q)
-    if not (product < 0 and product < -_AT_A_ROOT * bulk):
+    if not product < -_AT_A_ROOT * bulk:
         return None
     return loop.frequency(v), -_square(bottom) / product * (of_top / of_bottom)
 

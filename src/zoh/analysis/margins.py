@@ -12,6 +12,8 @@ sensitivity peaks); P. Seiler, A. Packard, P. Gahinet, An Introduction to Disk M
 Control Systems 40(5), 2020, eq. (5) with sigma = 0.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from math import inf, isnan, log, radians, tau
 
@@ -67,7 +69,7 @@ def measure_loop(loop: Loop) -> Margins:
 
     What the figures rest on is in their ``warnings`` alone.
     """
-    try:
+    with _within_floats(loop):
         near = next_to_the_axis(loop)
         found = _looked_at(loop, decided(loop), near)
         asked = near or found.modulus_margin < _NEEDLE
@@ -75,8 +77,6 @@ def measure_loop(loop: Loop) -> Margins:
             loop, found = finer, _looked_at(finer, decided(finer), near)
         if not _holds(found) and (plain := loop.without_shared()) is not None:
             loop, found = plain, _looked_at(plain, decided(loop), near)
-    except OverflowError:
-        raise out_of_range([*loop.num, *loop.den]) from None
     numbers = [found.gain_margin, found.phase_margin_deg, found.modulus_margin, found.mt]
     if any(map(isnan, [*numbers, found.disk_margin])):
         raise out_of_range([*loop.num, *loop.den])
@@ -89,14 +89,11 @@ def glance(loop: Loop) -> Margins:
 
     For a search, the answer of which is measured anew. Raises SpecError beyond floats.
     """
-    try:
+    with _within_floats(loop):
         if loop.dead_time <= _CHEAP * (loop.dt or 0.0):
             return _looked_at(loop, decided(loop), [])
-        with np.errstate(all="ignore"):
-            squares = Squares.of(loop)
-            return _measured(loop, squares, Close.of(loop, squares), decided(loop), [], prove=False)
-    except OverflowError:
-        raise out_of_range([*loop.num, *loop.den]) from None
+        squares = Squares.of(loop)
+        return _measured(loop, squares, Close.of(loop, squares), decided(loop), [], prove=False)
 
 
 def nearest_crossing(loop: Loop) -> tuple[float | None, float]:
@@ -104,15 +101,22 @@ def nearest_crossing(loop: Loop) -> tuple[float | None, float]:
     if loop.dead_time <= _CHEAP * (loop.dt or 0.0):
         found = glance(loop)
         return found.crossover, found.phase_margin_deg
+    with _within_floats(loop):
+        squares = Squares.of(loop)
+        look = Close.of(loop, squares)
+        unities = look.unities()
+        turns = [] if any(squares.gain) else look.turns()
+        by_phase = phase_crossings(loop, squares, unities, turns, [])
+        return _nearest(gain_crossings(loop, squares, unities, by_phase, []))
+
+
+@contextmanager
+def _within_floats(loop: Loop) -> Iterator[None]:
+    """Raise SpecError for what is beyond floats; NumPy's own words on it are not said."""
     try:
         with np.errstate(all="ignore"):
-            squares = Squares.of(loop)
-            look = Close.of(loop, squares)
-            unities = look.unities()
-            turns = [] if any(squares.gain) else look.turns()
-            by_phase = phase_crossings(loop, squares, unities, turns, [])
-            return _nearest(gain_crossings(loop, squares, unities, by_phase, []))
-    except OverflowError:
+            yield
+    except (OverflowError, ZeroDivisionError):
         raise out_of_range([*loop.num, *loop.den]) from None
 
 
@@ -126,17 +130,16 @@ def _looked_at(loop: Loop, stable: tuple[bool | None, Proof], near: list[float])
 
     v of what may be beside a mode with next to no damping is added to ``near``.
     """
-    with np.errstate(all="ignore"):  # what overflows is asked for afterwards
-        squares = Squares.of(loop)
-        look = Sparse.of(loop, squares)
-        found = _measured(loop, squares, look, stable, near) if look else None
-        if found is not None and _holds(found):
+    squares = Squares.of(loop)
+    look = Sparse.of(loop, squares)
+    found = _measured(loop, squares, look, stable, near) if look else None
+    if found is not None and _holds(found):
+        return found
+    if not squares.whole:
+        found = _measured(loop, squares, Close.of(loop, squares), stable, near)
+        if _holds(found) or not (squares := Squares.of(loop, LONG)).whole:
             return found
-        if not squares.whole:
-            found = _measured(loop, squares, Close.of(loop, squares), stable, near)
-            if _holds(found) or not (squares := Squares.of(loop, LONG)).whole:
-                return found
-        return _measured(loop, squares, Isolated(squares=squares), stable, near)
+    return _measured(loop, squares, Isolated(squares=squares), stable, near)
 
 
 def _holds(m: Margins) -> bool:
@@ -162,9 +165,10 @@ def _measured(
     peaks = [peak(loop, squares, look, below) for below in (ON_DEN, ON_NUM, ON_OPPOSITE)]
     if not isinstance(look, Sparse):
         near += [peak.v for peak in peaks]
-    found = Found(unities, turns, drops, peaks)
-    certificate = proved(loop, squares, look, found, stable=why) if prove else None
     nearest_gain = min(by_phase, key=lambda c: abs(log(c[1])), default=(None, inf))
+    factor = nearest_gain[1] if by_phase else None
+    found = Found(unities, turns, drops, peaks, factor)
+    certificate = proved(loop, squares, look, found, stable=why) if prove else None
     nearest_phase = _nearest(by_gain)
     modulus, complementary, disk = peaks
     return Margins(
@@ -184,6 +188,7 @@ def _measured(
         gain_crossings=tuple(by_gain),
         phase_crossings=tuple(by_phase),
         certificate=certificate,
+        dt=loop.dt,
     )
 
 
@@ -212,6 +217,8 @@ def _lowest(loop: Loop, squares: Squares, look: Look, below: Below) -> tuple[flo
     value = squares.ratio(place, below) if squares.whole else loop.ratio(place, below)
     if value < _NEEDLE and squares.whole:
         return deepest(squares, [place, *look.turns()], below)
+    if value < _NEEDLE:  # narrower than a flat least value is told
+        value, place = min((loop.ratio(v, below), v) for v in [place, *look.turns()])
     return place, value
 
 

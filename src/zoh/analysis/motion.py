@@ -135,12 +135,7 @@ class Motion:
             with np.errstate(over="raise", invalid="raise"):
                 return self._followed(final)
         except FloatingPointError:
-            raise SpecError(
-                "system" if self.effort is None else "controller",
-                "must have a response that can be followed in 64-bit floats",
-                f"{self.own} states that swing each other up",
-                "use fewer sections, or spread them wider",
-            ) from None
+            raise swung_up("system" if self.effort is None else "controller", self.own) from None
 
     def _followed(self, final: float) -> Track:
         """Return the motion from its start until its slowest mode is gone."""
@@ -163,8 +158,18 @@ class Motion:
             k, z, shown = k + stride * count, states[:, -1], shown + count
         return Track(
             k=np.concatenate(ks), states=np.concatenate(zs, axis=1), horizon=k - stride,
-            rests=k > end or slowest * k > -log(STILL),
+            rests=slowest * k > -log(STILL),
         )  # fmt: skip
+
+
+def swung_up(argument: str, states: int) -> SpecError:
+    """Return the refusal of what rounding takes away from its response."""
+    return SpecError(
+        argument,
+        "must have a response that can be followed in 64-bit floats",
+        f"{states} states that swing each other up",
+        "use fewer sections, or spread them wider",
+    )
 
 
 def _products(rows: Array, s: Array, out: Array) -> None:

@@ -14,8 +14,9 @@ from typing import NamedTuple
 from zoh.analysis import discs
 from zoh.analysis.certificates import Certificate, Proof
 from zoh.analysis.close import Close
+from zoh.analysis.endless import keeps_above, none_decides
 from zoh.analysis.isolated import Isolated
-from zoh.analysis.loop import Array, Loop
+from zoh.analysis.loop import Loop
 from zoh.analysis.sharp import apart
 from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import Below, Squares, squared
@@ -26,6 +27,8 @@ _ROUNDING = 1e-13  # |D + N| of its terms where a loop runs through -1
 PEAK_TOL = 1e-9  # relative; what is proved of a peak is that no point is higher by more than this
 _BESIDE = 1e-7  # relative, of a crossing: there a float has the sign of Im L
 _NOT_APART = ", not each with a sign change of its own"
+_NONE_BEYOND = ", no gain nearer to 1 beyond"
+_MAYBE_BEYOND = ", beyond that the gain may be nearer to 1"
 _BITS = 41  # of the square of a peak: its last one is less than a thousandth of PEAK_TOL
 
 
@@ -42,12 +45,16 @@ class Peak:
 
 
 class Found(NamedTuple):
-    """What was found, in v: |L| = 1, L real, |T| at its level, and the peaks."""
+    """What was found, in v: |L| = 1, L real, |T| at its level, and the peaks.
+
+    factor  the gain margin, None where L is nowhere negative
+    """
 
     unities: Sequence[float]
     turns: Sequence[float]
     drops: Sequence[float]
     peaks: Sequence[Peak]
+    factor: float | None = None
 
 
 def proved(loop: Loop, squares: Squares, look: Look, found: Found, *, stable: Proof) -> Certificate:
@@ -59,8 +66,11 @@ def proved(loop: Loop, squares: Squares, look: Look, found: Found, *, stable: Pr
         passages = counted(squares.drop, found.drops)
     else:
         v, level = look.v, squares.level
-        modulus, complementary, disk = (_between(loop, v, peak) for peak in found.peaks)
-        phases = discs.turns(loop, v[v <= look.reach], len(found.turns))
+        modulus, complementary, disk = (_between(loop, squares, look, peak) for peak in found.peaks)
+        upto = [x for x in found.turns if x <= look.reach]
+        phases = discs.turns(loop, v[v <= look.reach], len(upto))
+        if loop.dt is None and any(loop.num):
+            phases = _decided(phases, squares, found.factor, look.reach)
         if not apart(loop.side, found.turns, _BESIDE):
             phases = replace(phases, holds=False, detail=phases.detail + _NOT_APART)
         passages = discs.passages(loop, v, level, found.drops)
@@ -95,6 +105,13 @@ def counted(a: Whole, found: Sequence[float]) -> Proof:
     return Proof(holds=holds, method="halving", detail=detail)
 
 
+def _decided(phases: Proof, squares: Squares, factor: float | None, reach: float) -> Proof:
+    """Return the proof for the turns up to ``reach``, and that none beyond decides."""
+    if factor and none_decides(squares, factor, reach):
+        return replace(phases, detail=phases.detail + _NONE_BEYOND)
+    return replace(phases, holds=False, detail=phases.detail + _MAYBE_BEYOND)
+
+
 def _apart(a: Whole, found: Sequence[float]) -> bool:
     return apart(lambda v: whole.at_fraction(a, *squared(v)), found)
 
@@ -126,9 +143,18 @@ def _just_below(least: float) -> tuple[int, int]:
     return int(ldexp(mantissa * mantissa * (1 - 2 * PEAK_TOL), _BITS)) + 1, _BITS - 2 * exponent
 
 
-def _between(loop: Loop, v: Array, peak: Peak) -> Proof:
-    """Return ``discs.least``, or that there is nothing to prove."""
-    return _nothing_below(peak) or discs.least(loop, v, peak.least, peak.below)
+def _between(loop: Loop, squares: Squares, look: Close, peak: Peak) -> Proof:
+    """Return ``discs.least``, or that there is nothing to prove.
+
+    Beyond the turns that a continuous dead time is followed along, the size of L may tell.
+    """
+    if nothing := _nothing_below(peak):
+        return nothing
+    v, floor = look.v, discs.floor_of(peak.least)
+    known = look.reach < inf and keeps_above(squares, floor, peak.below, look.reach)
+    if known:
+        v = v[v <= look.reach]
+    return discs.least(loop, v, peak.least, peak.below, upto_last=known)
 
 
 def _nothing_below(peak: Peak) -> Proof | None:

@@ -1,9 +1,11 @@
 """A sampled system as states that move by small steps.
 
 With delta = z - 1 a pole near z = 1 is a small number, kept to its last digit, and a small dt
-costs nothing. A pole at z = -1 is no special case.
+costs nothing. A pole at z = -1 is no special case. Many poles far from z = 1, those of a long FIR
+or of a Smith predictor, have powers of 2 in delta that take each other back: a register has not.
 Source: R. H. Middleton and G. C. Goodwin, Digital Control and Estimation: A Unified Approach
-(the delta operator).
+(the delta operator); A. V. Oppenheim and R. W. Schafer, Discrete-Time Signal Processing, 3rd ed.,
+sec. 6.3 (direct form II).
 """
 
 from collections.abc import Sequence
@@ -15,7 +17,13 @@ from operator import mul
 import numpy as np
 
 from zoh.analysis.loop import Array
+from zoh.lti import whole
 from zoh.lti.systems import Sampled
+
+_FAR = 64  # six poles at z = 0: the coefficients of more cost digits in delta
+_LOST = 1e8  # roundings that a response may be off by: of many more nothing is left of it
+_GONE = 0.3  # a pole so near to z = 0 may be where it likes
+_AT_REST = 1e-9  # of a pole: an integrator's distance from z = 1 is 0, and not to be kept
 
 
 def realised(system: Sampled) -> tuple[list[float], list[float], float]:
@@ -38,18 +46,42 @@ def realised(system: Sampled) -> tuple[list[float], list[float], float]:
 class Chain:
     """A chain of sums in a motion, u = c x + d e.
 
-    steps  in the place of x_0 stands its step s = e - a x; a_0 x_0 = e - s - (a_1 x_1 + ...)
+    steps      in the place of x_0 stands its step s = e - a x; a_0 x_0 = e - s - (a_1 x_1 + ...)
+    registers  no sums: x_0(k+1) = e(k) - a x(k), x_i(k+1) = x_{i-1}(k)
+    holds      whether floats hold what it does; where not, its states swing each other up
     """
 
     a: Sequence[float]
     c: Sequence[float]
     d: float
     steps: bool = False
+    registers: bool = False
+    holds: bool = True
 
     @classmethod
     def of(cls, system: Sampled) -> "Chain":
-        """Return ``realised`` as a chain."""
-        return cls(*realised(system))
+        """Return ``realised`` as a chain, or as a register where that keeps more digits."""
+        return cls._of_far(system, *_wholes(system)) or cls(*realised(system))
+
+    @classmethod
+    def _of_far(cls, system: Sampled, num: Sequence[int], den: Sequence[int]) -> "Chain | None":
+        """Return the better chain of a system with many poles far from z = 1, None of another.
+
+        num, den  in delta
+
+        >>> Chain.of(Sampled(num=[1, *[0] * 6, 0.5], den=[1, *[0] * 7], dt=1.0)).c  # 1 + z^-7/2
+        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5]
+        """
+        lead, size = den[0], sum(map(abs, den)) / abs(den[0])
+        if size <= _FAR:
+            return None
+        (first, *nums), (_, *dens) = _in_z(num), _in_z(den)
+        a = [x / lead for x in dens]
+        spoilt = _spoilt(a)
+        if spoilt > size * size:
+            return cls(*realised(system), holds=size * size < _LOST)
+        c = [(x * lead - first * y) / (lead * lead) for x, y in zip(nums, dens, strict=True)]
+        return cls(a, c, first / lead, registers=True, holds=spoilt < _LOST)
 
     @classmethod
     def followed(cls, system: Sampled) -> "Chain":
@@ -59,9 +91,11 @@ class Chain:
         its step the sum takes nothing back: s is what e moves by, and little more.
 
         >>> Chain.followed(Sampled(num=[1001.0, -1000.0], den=[1, 0], dt=1e-3))
-        Chain(a=[1.0], c=[1000.0], d=1.0, steps=True)
+        Chain(a=[1.0], c=[1000.0], d=1.0, steps=True, registers=False, holds=True)
         """
         num, den = _wholes(system)
+        if (far := cls._of_far(system, num, den)) is not None:
+            return far
         (first, *nums), (lead, *dens) = num, den
         second, fast = (nums[0], dens[0]) if dens else (0, 0)
         if abs(second) * lead * lead >= fast * fast * abs(first):  # the step loses as many
@@ -78,10 +112,12 @@ class Chain:
         """
         for i in range(first + 1, first + len(self.a)):
             delta[i, i - 1] = 1.0
+            delta[i, i] = -1.0 if self.registers else 0.0
         if not self.steps:
             row = [*enters]
             for i, part in enumerate(self.a, first):
                 row[i] -= part
+            row[first] -= 1.0 if self.registers else 0.0
             delta[first] = row
             return
         fast, *others = self.a
@@ -103,6 +139,39 @@ def _wholes(system: Sampled) -> tuple[list[int], list[int]]:
     for i in range(len(den) - len(system.num)):
         num[i] = 0  # what z says is nothing is not the rounding of w
     return num, den
+
+
+def _spoilt(a: Sequence[float]) -> float:
+    """Return how many roundings a pole's distance from z = 1 is off by, of itself, in a register.
+
+    A part e of every coefficient of z^n + a_1 z^(n-1) + ... moves a simple root by
+    e sum |a_i z^(n-i)|/|product of its distances from the others|, to first order.
+    Source: J. H. Wilkinson, Rounding Errors in Algebraic Processes, ch. 2.
+    """
+    roots = np.roots([1.0, *a])
+    here = roots[np.abs(roots) > _GONE]
+    if not len(here):
+        return 0.0
+    apart = np.abs(here[:, None] - roots)
+    apart[apart == 0] = 1.0  # from itself
+    from_one = np.abs(here - 1)
+    moved = (1 + sum(map(abs, a))) / apart.prod(axis=1)
+    return float((moved / np.where(from_one > _AT_REST, from_one, 1.0)).max())
+
+
+def _in_z(a: Sequence[int]) -> list[int]:
+    """Return a(delta) in z, descending, delta = z - 1.
+
+    >>> _in_z([1, 0, 0])
+    [1, -2, 1]
+    """
+    return _turned_round(whole.shifted(_turned_round(a)))
+
+
+def _turned_round(a: Sequence[int]) -> list[int]:
+    """Return a(-x), descending."""
+    n = len(a) - 1
+    return [-c if (n - i) % 2 else c for i, c in enumerate(a)]
 
 
 def _in_delta(a_w: Sequence[int], half: tuple[int, int]) -> list[int]:

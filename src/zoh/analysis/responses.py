@@ -15,8 +15,9 @@ import numpy as np
 from zoh.analysis import queue
 from zoh.analysis.closed import Excitation, check_plant, closed_loop
 from zoh.analysis.curves import Trace, trace_of
+from zoh.analysis.left import farthest
 from zoh.analysis.loop import Array, Loop
-from zoh.analysis.motion import BAND, Motion
+from zoh.analysis.motion import BAND, NEAR, Motion
 from zoh.analysis.stability import closed_loop_stable
 from zoh.analysis.waveform import Waveform
 from zoh.errors import SpecError
@@ -34,7 +35,7 @@ class Response:
                      the output is the error, time minus y
     final_value      what it comes to; inf where it grows without end
     settling_time    s, from which on it stays within 2 % of the peak around the final value;
-                     None where it does not by the horizon
+                     None where it may not by the horizon
     peak_effort      the largest |u|, in input units; inf where it grows without end
     horizon          s, to which the response was followed; None where it grows without end
     """
@@ -52,6 +53,9 @@ def response(
     plant: Plant, controller: Sampled, *, by: Excitation, compute_delay: float = 0.0
 ) -> Response:
     """Return the figures of a stable loop excited ``by`` a step, impulse, ramp or disturbance.
+
+    A disturbance acts behind the plant's dead time: it is added from t = 0, a sample, on to what
+    has come through. One that comes before it is the same, later by the dead time.
 
     Raises SpecError for an unstable loop, an unknown excitation and a table, which has no response
     in time.
@@ -80,12 +84,13 @@ def response(
     reached = peak > abs(final) * (1 + _NOTHING) and not (ripples and t >= wave.k[-1] * motion.dt)
     band = BAND * max(peak, abs(final))  # of the true peak, which had to be found first
     settled = wave.closer(final, band).settles_between(final, band)
+    rests = track.rests or farthest(motion, track.states[:, -1]) < NEAR * band
     return Response(
         excitation=by,
         peak=max(peak, abs(final)),
         peak_time=t if reached else None,
         final_value=final,
-        settling_time=settled if track.rests else None,
+        settling_time=settled if rests else None,
         peak_effort=inf if limit is None else max(abs(limit), float(np.abs(wave.u).max())),
         horizon=track.horizon * motion.dt,
     )

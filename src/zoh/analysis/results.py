@@ -36,6 +36,7 @@ class Margins:
                       up to 2 where the others would be too many
     certificate       why no crossing was missed and no peak is higher; None for a table
     warnings          what the figures rest on or where they end, one sentence each
+    dt                s, between two samples; None of a continuous loop
     """
 
     stable: bool | None
@@ -55,6 +56,12 @@ class Margins:
     phase_crossings: tuple[tuple[float, float], ...]
     certificate: Certificate | None = None
     warnings: tuple[str, ...] = ()
+    dt: float | None = None
+
+    @property
+    def delay_margin_samples(self) -> float | None:
+        """The delay margin in samples; None of a continuous loop."""
+        return self.delay_margin / self.dt if self.dt else None
 
     @property
     def gain_margin_db(self) -> float:
@@ -76,6 +83,7 @@ class Margins:
             "phase_margin_deg": jsonable(self.phase_margin_deg),
             "crossover": jsonable(self.crossover),
             "delay_margin": jsonable(self.delay_margin),
+            "delay_margin_samples": jsonable(self.delay_margin_samples),
             "modulus_margin": jsonable(self.modulus_margin),
             "ms": jsonable(self.ms),
             "ms_frequency": jsonable(self.ms_frequency),
@@ -112,8 +120,8 @@ class StepInfo:
     effort_range        the least and the largest u; None for a bare T
 
     What does not exist is None: a percentage of a final value of 0; the peak time of a response
-    that creeps up to its final value; the settling time of one that has not come to rest by the
-    horizon.
+    that creeps up to its final value; the settling time of one that may leave its band
+    after the horizon.
     """
 
     stable: bool = True

@@ -229,7 +229,7 @@ def _nyquist(loop: Loop) -> float:
 def _shown(x: float) -> str:
     """Return an error bound in a few digits.
 
-    >>> _shown(0.1234), _shown(1234.0), _shown(inf)
-    ('0.12', '1234', 'any number of')
+    >>> _shown(0.1234), _shown(99.7), _shown(1234.0), _shown(inf)
+    ('0.12', '100', '1234', 'any number of')
     """
-    return "any number of" if x > _ANY else f"{x:.0f}" if x >= 100 else f"{x:.2g}"
+    return "any number of" if x > _ANY else f"{x:.0f}" if x >= 99.5 else f"{x:.2g}"

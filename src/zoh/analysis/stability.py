@@ -15,6 +15,8 @@ import numpy as np
 from zoh.analysis.certificates import Proof
 from zoh.analysis.discs import unstable_zeros
 from zoh.analysis.loop import Array, Loop
+from zoh.analysis.sharp import as_v
+from zoh.analysis.squares import size
 from zoh.lti import poly, signs, whole
 
 SHORT = 10  # samples of delay up to which Routh's scheme costs less than winding
@@ -75,15 +77,26 @@ def _none_encircled(loop: Loop) -> bool | None:
     """Return whether no zero of 1 + L is on the right; None where one is on the boundary."""
     if loop.dt is None and abs(loop.num[0]) >= abs(loop.den[0]):
         return False  # |L| >= 1 at infinity with dead time: infinitely many poles on the right
+    sizes = [abs(r) for a in (loop.den, loop.num) for r in poly.roots(a) if r]
     # the closed loop without the delay: a weak loop around an integrator is as slow as its gain
-    every = (poly.roots(a) for a in (loop.den, loop.num, loop.closed()))
-    sizes = [abs(r) for roots in every for r in roots if r]
-    scale = max([*sizes, 1 / loop.dead_time])
-    low = min([*sizes, 1 / loop.dead_time, *_slow_crossover(loop)]) * 1e-3
-    even = np.geomspace(low, scale * 1e3, 300 + 20 * int(log10(scale / low)))
+    closed = [abs(r) for r in poly.roots(loop.closed()) if r]
+    low = min([*sizes, *closed, 1 / loop.dead_time, *_slow_crossover(loop)]) * 1e-3
+    if loop.dt is None and loop.num[0]:  # beyond where it is 1 it only turns: as a function of 1/v
+        scale = max([*sizes, 1 / loop.dead_time, *_unities(loop)])
+        high = scale * 10
+    else:
+        scale = max([*sizes, *closed, 1 / loop.dead_time])
+        high = scale * 1e3
+    even = np.geomspace(low, high, 300 + 20 * int(log10(scale / low)))
     v = np.unique(np.concatenate([even, _turns(loop, scale)]))
     zeros = unstable_zeros(loop, v[v > 0])
     return None if zeros is None else zeros == 0
+
+
+def _unities(loop: Loop) -> list[float]:
+    """Return every v at which |L| passes 1."""
+    num, den = loop.exact
+    return [as_v(q) for q in signs.odd_roots(whole.plus(size(num), size(den), -1))]
 
 
 def _slow_crossover(loop: Loop) -> list[float]:

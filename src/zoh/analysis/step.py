@@ -13,8 +13,9 @@ import numpy as np
 
 from zoh.analysis import queue
 from zoh.analysis.closed import autonomous, closed_loop, continuous
+from zoh.analysis.left import farthest
 from zoh.analysis.loop import Loop
-from zoh.analysis.motion import BAND, Motion, Track
+from zoh.analysis.motion import BAND, NEAR, Motion, Track
 from zoh.analysis.results import StepInfo
 from zoh.analysis.stability import hurwitz_floats
 from zoh.analysis.waveform import Waveform
@@ -54,6 +55,8 @@ def step_info(system: Plant | Sampled) -> StepInfo:
     try:
         with np.errstate(over="raise", invalid="raise"):
             motion = continuous(system, _interval(loop.den))
+            if not np.isfinite(motion.output).all():
+                raise OverflowError
             return _Seen.of(motion, motion.track(final), final, 1.0, system.dead_time).between()
     except (ArithmeticError, np.linalg.LinAlgError):
         raise SpecError(
@@ -120,7 +123,7 @@ class _Seen:
     """A waveform that settles to ``final``.
 
     reference  the size of the step;  late  s, when the response begins
-    horizon    s, to which it is known;  rests  whether it has come to rest by then
+    horizon    s, to which it is known;  rests  whether it stays in its band from then on
     """
 
     wave: Waveform
@@ -134,10 +137,12 @@ class _Seen:
     def of(
         cls, motion: Motion, track: Track, final: float, reference: float, late: float = 0.0
     ) -> "_Seen":
-        wave = Waveform.of(motion, track, final, BAND * abs(final))
+        band = BAND * abs(final)
+        wave = Waveform.of(motion, track, final, band)
+        rests = track.rests or farthest(motion, track.states[:, -1]) < NEAR * band
         return cls(
             wave=wave, final=final, reference=reference, late=late,
-            horizon=track.horizon * motion.dt + late, rests=track.rests,
+            horizon=track.horizon * motion.dt + late, rests=rests,
         )  # fmt: skip
 
     def at_samples(self, **more: Any) -> StepInfo:

@@ -7,6 +7,9 @@ With P unstable poles and k integrators in the open loop and Z unstable poles in
 
 The turn inside the table is added up from point to point. Outside it two things are taken for
 granted, and said: what ``Path`` has below and above the table, and how many poles are unstable.
+
+What a zero hides in the open loop does not turn 1 + L, and stays a pole of the closed one. At w = 0
+it is on the boundary, and what the plant has there is shown by its low end.
 Source: K. J. Astrom and R. M. Murray, Feedback Systems, 2nd ed., sec. 10.2 (Nyquist's criterion
 in general, with poles on the axis passed on the right).
 """
@@ -17,9 +20,10 @@ from math import degrees, pi
 
 import numpy as np
 
-from zoh.analysis.tabled.path import Path, boundary_poles, quiet_below
+from zoh.analysis.tabled.path import Path, at_rest, boundary_poles, quiet_below, settled
 from zoh.lti.curve import Array
 from zoh.lti.poly import ComplexArray
+from zoh.lti.systems import Plant
 
 _SIGMAS = 3.0  # of the noise: nearer to -1 than this, either side is possible
 _SIDE_DEG = 0.5  # nearer to -180 deg than this, no analyser tells the sides apart
@@ -31,15 +35,23 @@ _WHOLE = 0.1  # of the count from a whole number, where the path begins and ends
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Count:
-    """Unstable closed-loop poles, None where the table does not decide; and in words why."""
+    """Unstable closed-loop poles, None where the table does not decide; and in words why.
+
+    hidden  what hides a pole at w = 0, in words, "" where nothing does; then ``unstable`` is how
+            many are hidden, and there may be others
+    """
 
     unstable: int | None
     why: str
+    hidden: str = ""
 
 
 def count(path: Path) -> Count:
     """Return how many closed-loop poles are unstable, if the plant has those it is said to."""
     integrators, unstable = boundary_poles(path.controller)
+    hidden = _hidden(path)
+    if hidden is not None:  # whatever the turns
+        return hidden
     open_loop = path.table.unstable_poles + unstable
     doubt = _blurred(path) or _unseen_above(path) or _unseen_below(path)
     if doubt:
@@ -62,7 +74,7 @@ def agreed(path: Path, coarser: Sequence[Path]) -> Count:
     By Rouche's theorem they cannot where the loop moves less than its distance from -1.
     """
     found = count(path)
-    if found.unstable is None:
+    if found.unstable is None or found.hidden:
         return found
     exact = path.table.at(path.w)
     for other in coarser:
@@ -73,6 +85,22 @@ def agreed(path: Path, coarser: Sequence[Path]) -> Count:
             why = f"without every second point it may pass -1 on the other side at {at:.6g} rad/s"
             return Count(unstable=None, why=f"{why}: measure more points there")
     return found
+
+
+def _hidden(path: Path) -> Count | None:
+    """Return how many poles at w = 0 zeros there hide, None where none is known to be hidden."""
+    zeros, poles = at_rest(path.controller)
+    k = path.low.integrators if path.low is not None and settled(path) else 0
+    hidden = min(zeros + max(-k, 0), poles + max(k, 0))
+    if not hidden:
+        return None
+    place = "s = 0" if isinstance(path.controller, Plant) else "z = 1"
+    if zeros and poles:
+        both = f"at {place}: the controller has a pole and a zero there"
+        return Count(unstable=hidden, why="", hidden=both)
+    one, other = ("pole", "zero") if poles else ("zero", "pole")
+    each = f"at {place}: the controller has a {one} there, and the plant a {other}"
+    return Count(unstable=hidden, why=_granted_below(path, k), hidden=each)
 
 
 def _blurred(path: Path) -> str | None:
@@ -108,9 +136,10 @@ def _unseen_above(path: Path) -> str | None:
 
 def _unseen_below(path: Path) -> str | None:
     first, size = path.table.band[0], abs(path.gain[0])
-    if path.low is None:
-        if quiet_below(path):
-            return None  # and no louder below: it stays away from -1
+    zeros, poles = at_rest(path.controller)
+    if path.low is None and not zeros and quiet_below(path):  # a zero may hide an integrator
+        return None  # and no louder below: it stays away from -1
+    if path.low is None or ((zeros or poles) and not settled(path)):
         return (
             f"below {first:.6g} rad/s, where the table begins, neither slope nor phase show how "
             "it goes on: measure further down, until they settle"
@@ -166,11 +195,16 @@ def _granted(path: Path) -> str:
     parts = [f"the plant has {p or 'no'} unstable pole{'s' if p != 1 else ''}"]
     parts.append("no resonance hides between the points")
     if path.low is not None:
-        like = f"falls with w^{-path.low.integrators}" if path.low.integrators else "is constant"
-        parts.append(f"below {table.band[0]:.6g} rad/s its gain {like}, as its low end does")
+        parts.append(_granted_below(path, path.low.integrators))
     if not table.reaches_nyquist:
         parts.append(
             f"beyond {table.band[1]:.6g} rad/s its gain rises no more (then |L| stays below "
             f"{path.above:.4g})"
         )
     return "; ".join(parts)
+
+
+def _granted_below(path: Path, integrators: int) -> str:
+    """Return how the plant is taken to go on below its table, in words."""
+    like = f"falls with w^{-integrators}" if integrators else "is constant"
+    return f"below {path.table.band[0]:.6g} rad/s its gain {like}, as its low end does"

@@ -97,6 +97,7 @@ def table_margins(loop: FrequencyResponse | TabledLoop) -> TableMargins:
         interpolation=spreads["interpolation"],
         noise=spreads["noise"],
         neglected=spreads["neglected"],
+        dt=path.table.dt,
     )
 
 

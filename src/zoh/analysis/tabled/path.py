@@ -5,7 +5,7 @@ say so; above it, its gain is taken to stay below the last one. The controller i
 """
 
 from dataclasses import dataclass
-from math import pi
+from math import pi, remainder
 
 import numpy as np
 
@@ -22,6 +22,7 @@ _PER_CELL = 8  # points from one row of the table to the next: what the controll
 _MOST = 40_000  # points in all; a longer table is dense enough for fewer
 _SLOPE = 0.2  # of a slope from a whole number: a corner half an octave away turns it as much
 _PHASE_DEG = 30.0  # of a phase from its asymptote: that corner again, and some delay
+_NEARER_DEG = 45.0  # of a phase at w = 0 from its asymptote: beyond, another one is nearer
 _FAR_BELOW = 1e-4  # of the lowest corner: there a loop is its asymptote within 1e-4 rad
 
 
@@ -114,9 +115,33 @@ def low_end(table: FrequencyResponse) -> LowEnd | None:
 
 def low_slope(table: FrequencyResponse) -> float:
     """Return d ln|G|/d ln w over the first octave, two points or more, by least squares."""
-    x = np.log(table.w)
-    many = max(2, int(np.searchsorted(x, x[0] + np.log(2.0), side="right")))
-    x, y = x[:many] - x[:many].mean(), np.log(table.magnitude[:many])
+    many = _first_octave(table)
+    return _slope(np.log(table.w[:many]), np.log(table.magnitude[:many]))
+
+
+def settled(path: Path) -> bool:
+    """Return whether the phase, too, goes to that of ``low`` at w = 0, in line over w.
+
+    So does that of a lag or a delay. At a crest the gain is level as a constant is, and the phase
+    goes on to that of the slope before it.
+    """
+    if path.low is None:
+        return False
+    many = _first_octave(path.table)
+    w, phase = path.table.w[:many], path.table.phase_deg[:many]
+    rest = float(phase.mean()) - _slope(w, phase) * float(w.mean())
+    asymptote = -90 * path.low.integrators + (180 if path.low.gain < 0 else 0)
+    return abs(remainder(rest - asymptote, 360)) <= _NEARER_DEG
+
+
+def _first_octave(table: FrequencyResponse) -> int:
+    """Return how many points the first octave has, two or more."""
+    return max(2, int(np.searchsorted(table.w, 2 * table.w[0], side="right")))
+
+
+def _slope(x: Array, y: Array) -> float:
+    """Return the slope of a line by least squares."""
+    x = x - x.mean()
     return float(x @ y / (x @ x))
 
 
@@ -133,8 +158,8 @@ def boundary_poles(controller: Plant | Sampled | None) -> tuple[int, int]:
     """
     if controller is None:
         return 0, 0
-    num, den = _fraction(controller)
-    zeros, poles = _at_origin(num), _at_origin(den)
+    zeros, poles = at_rest(controller)
+    _, den = _fraction(controller)
     rest = poly.roots(den[: len(den) - poles])
     if den[0] == 0 or any(abs(r.real) <= 1e-9 * abs(r) for r in rest):
         raise SpecError(
@@ -144,6 +169,18 @@ def boundary_poles(controller: Plant | Sampled | None) -> tuple[int, int]:
             "its loop has an infinite gain there, which no table shows",
         )
     return poles - zeros, sum(1 for r in rest if r.real > 0)
+
+
+def at_rest(controller: Plant | Sampled | None) -> tuple[int, int]:
+    """Return how many zeros and how many poles a controller has at s = 0, or z = 1.
+
+    >>> at_rest(Sampled(num=[1.0, -1.0], den=[1.0, -0.5], dt=0.1))
+    (1, 0)
+    """
+    if controller is None:
+        return 0, 0
+    num, den = _fraction(controller)
+    return _at_origin(num), _at_origin(den)
 
 
 def _parts(loop: TabledLoop) -> tuple[FrequencyResponse, Plant | Sampled]:

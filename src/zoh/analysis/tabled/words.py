@@ -23,6 +23,9 @@ def warnings(
     """Return every sentence that belongs to these figures."""
     if verdict.unstable is None:
         said = [f"the table does not decide stability: {verdict.why}"]
+    elif verdict.hidden:
+        granted = f"; taken for granted: {verdict.why}" if verdict.why else ""
+        said = [f"a hidden mode keeps the closed loop unstable, {verdict.hidden}{granted}"]
     else:
         said = [f"stability is counted on the table; taken for granted: {verdict.why}"]
     said.append(_edges(path, outside))
