@@ -96,18 +96,16 @@ class Modes:
         return total, higher, lower
 
 
-def restless(z: Complex) -> tuple[Mask, Mask]:
-    """Return (which motions the single design does not see come to rest, which it may not).
+def restless(z: Complex) -> Mask:
+    """Return which motions the single design may not follow to their rest.
 
-    Such a motion has no settling time there, be all that still moves within its band. Its stride
-    is TURN of the fastest mode that lives, rounded down to a power of 2, and may be kept until one
-    that turns a quarter as fast has gone: so TURN/8 is the least.
+    Whether such a motion has settled is for a bound on what is left of it to say. The single
+    design's stride is TURN of the fastest mode that lives, rounded down to a power of 2, and may be
+    kept until one that turns a quarter as fast has gone: so TURN/8 is the least.
     """
     log_z = np.log(z)
     decay, turn = np.maximum(-log_z.real, 1e-14), np.abs(log_z)
-    slow = np.argmin(decay, axis=0)[None, :]
-    slowest, swing = (np.take_along_axis(x, slow, axis=0)[0] for x in (decay, turn))
-    rest = REST / slowest
-    never = rest > 1.01 * SHOWN * np.maximum(1.0, TURN / swing)
+    rest = REST / np.min(decay, axis=0, initial=inf)
     shown = np.minimum(GONE / decay, rest) * np.minimum(1.0, turn * (8 / TURN))
-    return never, ~never & (np.sum(shown, axis=0) > SHOWN)
+    found: Mask = np.sum(shown, axis=0) > SHOWN
+    return found

@@ -41,7 +41,7 @@ def step_metrics(
     late = closed_in(motion, sign, size, seen, passed)
     over = seen.top / size - 1
     most, least = np.maximum(seen.most, motion.at_rest), np.minimum(seen.least, motion.at_rest)
-    reach, (never, maybe) = abs(reference), restless(z)
+    reach = abs(reference)
     highest, when, known = between(plant, parts, sign, size, seen, at_crest, late, turns)
     beyond = highest / size - 1
     return {
@@ -49,12 +49,12 @@ def step_metrics(
         "between.peak_time": np.where(beyond > NOTHING, when * dt, np.nan),
         "overshoot_pct": np.where(over > NOTHING, 100 * over, 0.0),
         "rise_time": (seen.k_90 - seen.k_10) * dt,
-        "settling_time": np.where(never, np.nan, (seen.k_out + 1) * dt),
+        "settling_time": (seen.k_out + 1) * dt,
         "peak": np.maximum(seen.top, size) * reach,
         "peak_time": np.where(over > NOTHING, seen.k_top * dt, np.nan),
         "steady_state_error": (1 - motion.final) * reference,
         "peak_effort": np.maximum(most, -least) * reach,
-    }, doubt | maybe | ~known | (size < FAINT)
+    }, doubt | restless(z) | ~known | (size < FAINT)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -140,24 +140,19 @@ def decays(w: int, n: int, x: float) -> float:
 
 
 @shared
-def restless(w: int, n: int, slowest: float) -> tuple[bool, bool]:
-    """Return (whether the single design does not see a rest, whether it may not); see the arrays.
+def restless(w: int, n: int, slowest: float) -> bool:
+    """Return whether the single design may not follow the motion to its rest; see the arrays.
 
     slowest  the decay of the slowest mode
     """
-    m, rest = work.motion(w), REST / slowest
+    m, rest, shown = work.motion(w), REST / slowest, 0.0
     if n * rest <= SHOWN:
-        return False, False
-    shown, swing, least = 0.0, inf, inf
+        return False
     for i in range(n):
         over = m.im[i] * m.im[i] - (1.0 - m.re[i]) * (1.0 + m.re[i])  # |z|^2 - 1
         decay = max(-0.5 * log1p(over), 1e-14) if over > -1.0 else _GONE
-        if decay < least:
-            least, swing = decay, m.turn[i]
         shown += min(GONE / decay, rest) * min(1.0, m.turn[i] * (8.0 / TURN))
-    if rest > 1.01 * SHOWN * max(1.0, TURN / swing):
-        return True, False
-    return False, shown > SHOWN
+    return shown > SHOWN
 
 
 @compiled

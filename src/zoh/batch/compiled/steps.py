@@ -70,8 +70,7 @@ def step_metrics(
     if not FAINT <= full < inf:
         return True
     slowest = max(slowest, 1e-14)
-    never, maybe = restless(w, order, slowest)
-    if maybe:
+    if restless(w, order, slowest):
         return True
     begin(w, size)
     end = max(8.0, ceil(QUIET / slowest) + 4.0 * size)
@@ -103,8 +102,6 @@ def step_metrics(
         return True
     unknown = closing(w, n, sign, size)
     figures(work.track(w).seen, full, final, at_rest, sign, dt, reference, out)
-    if never:
-        out[SETTLING] = nan
     return unknown
 
 
