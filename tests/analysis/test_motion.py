@@ -196,9 +196,9 @@ def test_the_limit_is_that_of_all_samples_together(monkeypatch, most):
 
 
 def test_a_motion_that_outgrows_floats_is_refused_in_one_line_and_without_a_warning():
-    """Eight notches beside each other: sixteen poles near one pair, in one fraction."""
+    """Twelve notches beside each other: 24 poles near one pair, in one fraction."""
     arm = zoh.Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
-    notches = [zoh.notch(w0=20 + 0.3 * i, depth=0.05, width=0.3) for i in range(8)]
+    notches = [zoh.notch(w0=20 + 0.3 * i, depth=0.05, width=0.3) for i in range(12)]
     with (
         warnings.catch_warnings(action="error", category=RuntimeWarning),
         pytest.raises(zoh.SpecError, match=r"followed in 64-bit floats, .*: use fewer sections"),

@@ -1,6 +1,7 @@
 """realised: a chain of sums whose transfer function is the system's, in fractions."""
 
 from fractions import Fraction
+from math import inf
 
 import pytest
 
@@ -70,6 +71,7 @@ def test_the_transfer_function_is_that_of_the_w_form(dt):
         # (z - 1/2)(z - 1/4): 15/8 over 1/4 over 1/2; what is nearer to 0 is not asked
         ([-0.75, 0.125], 15.0),
         ([0.25, 0.0], 0.0),
+        ([1.0, 0.25], inf),  # twice -1/2: a double root moves by more than any number of them
     ],
 )
 def test_how_many_roundings_a_pole_is_moved_by_in_a_register(a, wanted):

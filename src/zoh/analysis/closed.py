@@ -16,7 +16,7 @@ import numpy as np
 
 from zoh import checks
 from zoh.analysis.loop import Array
-from zoh.analysis.motion import Motion, Stretch, swung_up
+from zoh.analysis.motion import Motion, Stretch
 from zoh.analysis.realised import Chain
 from zoh.errors import SpecError
 from zoh.lti import digits
@@ -54,8 +54,6 @@ def closed_loop(
     held, ahead = Held.of(plant, dt), _ahead(feedforward, by)
     at_once = not m and held.d != 0.0  # e moves by u: the chain cannot be written by its step
     feedback = (Chain.of if at_once else Chain.followed)(controller)
-    if not feedback.holds:
-        raise swung_up("controller", len(feedback.a))
     at = _Places.of(len(held.c), m, (len(feedback.a), len(ahead.a)), by)
     y, u = _signals(held, feedback, ahead, at)
     stretches, moved = _between(held, *_inputs(u, at), lead)
@@ -82,7 +80,7 @@ def closed_loop(
     return Motion(
         dt=dt, delta=delta, start=start, own=at.own, output=np.array(y), effort=np.array(u),
         stretches=stretches,
-        wait=m - 1 if m > CARRIED else 0, fed=at.n,
+        wait=m - 1 if m > CARRIED else 0, fed=at.n, swings=feedback.swings,
     )  # fmt: skip
 
 
@@ -204,14 +202,12 @@ def autonomous(system: Sampled) -> Motion:
     """Return the step response of a sampled system, its delay left out, at the samples only."""
     chain = Chain.of(system)
     n = len(chain.a)
-    if not chain.holds:
-        raise swung_up("system", n)
     delta, one = np.zeros((n + 1, n + 1)), _unit(n + 1, n)
     if n:
         chain.write(delta, 0, one)
     return Motion(
         dt=system.dt, delta=delta, start=np.array(one), own=n, output=np.array([*chain.c, chain.d]),
-        effort=None, stretches=(),
+        effort=None, stretches=(), swings=chain.swings,
     )  # fmt: skip
 
 

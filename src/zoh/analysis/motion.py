@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import atan2, ceil, hypot, inf, log, log1p
 from operator import itemgetter
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -24,6 +25,8 @@ Indices = npt.NDArray[np.int64]
 
 QUIET = 1e-10  # the slowest mode has fallen to this at the horizon: no peak after it has 9 digits
 _SLOWEST = 1e-14
+_BITS = 320  # of the powers of what swings: those of a float, and what they grow by, squared
+_SWUNG_UP = 1e9  # of its size a state is made of: its square is all the roundings there are
 _PLAIN = 1e-3  # a decay per step that I + S holds to 13 digits: S by itself need not be kept
 _AT_ONCE = 1e6  # the decay of a mode at z = 0
 _GONE = 36.0  # exp(-36) of what it was is a rounding of it
@@ -85,7 +88,9 @@ class Motion:
     stretches: Sequence[Stretch]
     wait: int = 0
     fed: int = 0
+    swings: bool = False
     _powers: list[Array] = field(default_factory=list, repr=False)
+    _wholes: list[Any] = field(default_factory=list, repr=False)
 
     def power(self, i: int) -> Array:
         """Return S with Z(k + 2^i) = Z(k) + S Z(k)."""
@@ -97,6 +102,27 @@ class Motion:
             powers.append(s + s + s.dot(s))
         return powers[i]
 
+    def _swung(self, i: int) -> Array:
+        """Return (I + S)' of 2^i samples, rounded once: what floats square grows by its square."""
+        if not self._wholes:
+            self._wholes.append(_whole(self.delta))
+        while len(self._wholes) <= i:
+            s = self._wholes[-1]
+            self._wholes.append(s + s + (s.dot(s) >> _BITS))
+        one = 1 << _BITS
+        rows = (self._wholes[i].T + one * np.eye(len(self.delta), dtype=object)).tolist()
+        return np.array([[x / one for x in row] for row in rows])
+
+    def _swing_by(self, states: Array) -> float:
+        """Return how many times its own size a state is made of on its way, at most.
+
+        A rounding of what it is made of is so many roundings of the state.
+        """
+        reach = np.abs(states).max(axis=1)
+        there = reach > 0
+        ways = [np.abs(self._swung(i))[np.ix_(there, there)] for i in range(len(self._wholes))]
+        return max([float((reach[there].dot(m) / reach[there]).max()) for m in ways], default=0.0)
+
     def run(self, first: Array, count: int, doublings: int = 0, slowest: float = 0.0) -> Array:
         """Return ``count`` columns, Z at every 2^doublings samples from ``first`` on.
 
@@ -107,7 +133,9 @@ class Motion:
         while done < count:
             after = min(2 * done, count)
             known, block = out[: after - done], out[done:after]
-            if slowest * (1 << doublings) < _PLAIN:
+            if self.swings:
+                _products(known, self._swung(doublings), block)
+            elif slowest * (1 << doublings) < _PLAIN:
                 _products(known, self.power(doublings).T, block)
                 block += known
             else:
@@ -135,7 +163,12 @@ class Motion:
             with np.errstate(over="raise", invalid="raise"):
                 return self._followed(final)
         except FloatingPointError:
-            raise swung_up("system" if self.effort is None else "controller", self.own) from None
+            raise SpecError(
+                "system" if self.effort is None else "controller",
+                "must have a response that can be followed in 64-bit floats",
+                f"{self.own} states that swing each other up",
+                "use fewer sections, or spread them wider",
+            ) from None
 
     def _followed(self, final: float) -> Track:
         """Return the motion from its start until its slowest mode is gone."""
@@ -156,20 +189,22 @@ class Motion:
             ks.append(np.arange(k, k + stride * count, stride))
             zs.append(states[:, :-1])
             k, z, shown = k + stride * count, states[:, -1], shown + count
+        states = np.concatenate(zs, axis=1)
+        if self.swings and not self._swing_by(states) < _SWUNG_UP:
+            raise FloatingPointError
         return Track(
-            k=np.concatenate(ks), states=np.concatenate(zs, axis=1), horizon=k - stride,
+            k=np.concatenate(ks), states=states, horizon=k - stride,
             rests=slowest * k > -log(STILL),
         )  # fmt: skip
 
 
-def swung_up(argument: str, states: int) -> SpecError:
-    """Return the refusal of what rounding takes away from its response."""
-    return SpecError(
-        argument,
-        "must have a response that can be followed in 64-bit floats",
-        f"{states} states that swing each other up",
-        "use fewer sections, or spread them wider",
-    )
+def _whole(s: Array) -> Any:
+    """Return floats times 2^_BITS as whole numbers, to be multiplied without rounding."""
+    out = np.empty(s.shape, object)
+    for place, x in np.ndenumerate(s):
+        top, bottom = float(x).as_integer_ratio()
+        out[place] = (top << _BITS) // bottom
+    return out
 
 
 def _products(rows: Array, s: Array, out: Array) -> None:

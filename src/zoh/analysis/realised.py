@@ -21,7 +21,6 @@ from zoh.lti import whole
 from zoh.lti.systems import Sampled
 
 _FAR = 64  # six poles at z = 0: the coefficients of more cost digits in delta
-_LOST = 1e8  # roundings that a response may be off by: of many more nothing is left of it
 _GONE = 0.3  # a pole so near to z = 0 may be where it likes
 _AT_REST = 1e-9  # of a pole: an integrator's distance from z = 1 is 0, and not to be kept
 
@@ -48,7 +47,7 @@ class Chain:
 
     steps      in the place of x_0 stands its step s = e - a x; a_0 x_0 = e - s - (a_1 x_1 + ...)
     registers  no sums: x_0(k+1) = e(k) - a x(k), x_i(k+1) = x_{i-1}(k)
-    holds      whether floats hold what it does; where not, its states swing each other up
+    swings     whether its states may swing each other up on their way, far beyond what drives them
     """
 
     a: Sequence[float]
@@ -56,7 +55,7 @@ class Chain:
     d: float
     steps: bool = False
     registers: bool = False
-    holds: bool = True
+    swings: bool = False
 
     @classmethod
     def of(cls, system: Sampled) -> "Chain":
@@ -77,11 +76,10 @@ class Chain:
             return None
         (first, *nums), (_, *dens) = _in_z(num), _in_z(den)
         a = [x / lead for x in dens]
-        spoilt = _spoilt(a)
-        if spoilt > size * size:
-            return cls(*realised(system), holds=size * size < _LOST)
+        if _spoilt(a) > size * size:
+            return cls(*realised(system), swings=True)
         c = [(x * lead - first * y) / (lead * lead) for x, y in zip(nums, dens, strict=True)]
-        return cls(a, c, first / lead, registers=True, holds=spoilt < _LOST)
+        return cls(a, c, first / lead, registers=True, swings=True)
 
     @classmethod
     def followed(cls, system: Sampled) -> "Chain":
@@ -91,7 +89,7 @@ class Chain:
         its step the sum takes nothing back: s is what e moves by, and little more.
 
         >>> Chain.followed(Sampled(num=[1001.0, -1000.0], den=[1, 0], dt=1e-3))
-        Chain(a=[1.0], c=[1000.0], d=1.0, steps=True, registers=False, holds=True)
+        Chain(a=[1.0], c=[1000.0], d=1.0, steps=True, registers=False, swings=False)
         """
         num, den = _wholes(system)
         if (far := cls._of_far(system, num, den)) is not None:
@@ -149,13 +147,15 @@ def _spoilt(a: Sequence[float]) -> float:
     Source: J. H. Wilkinson, Rounding Errors in Algebraic Processes, ch. 2.
     """
     roots = np.roots([1.0, *a])
-    here = roots[np.abs(roots) > _GONE]
-    if not len(here):
+    apart = np.abs(roots[:, None] - roots)
+    np.fill_diagonal(apart, 1.0)
+    asked = np.abs(roots) > _GONE
+    if not asked.any():
         return 0.0
-    apart = np.abs(here[:, None] - roots)
-    apart[apart == 0] = 1.0  # from itself
+    here, apart = roots[asked], apart[asked]
     from_one = np.abs(here - 1)
-    moved = (1 + sum(map(abs, a))) / apart.prod(axis=1)
+    with np.errstate(divide="ignore"):
+        moved = (1 + sum(map(abs, a))) / apart.prod(axis=1)
     return float((moved / np.where(from_one > _AT_REST, from_one, 1.0)).max())
 
 
