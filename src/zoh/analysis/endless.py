@@ -144,7 +144,7 @@ def none_decides(squares: Squares, factor: float, beyond: float) -> bool:
     But for GAIN_TOL of it.
     """
     low = Fraction(min(factor, 1 / factor)) * (1 + Fraction(GAIN_TOL))
-    return low >= 1 or _outside(squares, low, 1 / low, beyond)
+    return low >= 1 or (low > 0 and _outside(squares, low, 1 / low, beyond))
 
 
 def keeps_above(squares: Squares, least: float, below: Below, beyond: float) -> bool:

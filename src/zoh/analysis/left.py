@@ -37,7 +37,7 @@ def farthest(motion: Motion, state: Array) -> float:
         return inf
     with np.errstate(over="ignore", invalid="ignore"):  # what comes of it bounds nothing
         values, vectors = np.linalg.eig(motion.delta[:own, :own])
-        if motion.rates()[0][0] <= 0 or not np.linalg.cond(vectors) < _SKEWED:
+        if min(motion.rates())[0] <= 0 or not np.linalg.cond(vectors) < _SKEWED:
             return inf
         sizes = np.abs(np.linalg.solve(vectors, moves[:own].astype(complex)) / values)
         parts = [bernstein(len(part.rows)).dot(part.rows) for part in motion.stretches]

@@ -77,6 +77,7 @@ class Motion:
     output     shape (N,): y at the samples; effort likewise for u, None where there is no u
     stretches  the parts of a sample interval; none where nothing is known between the samples
     wait, fed  the effort is back in state ``fed`` ``wait`` samples later; 0 where Z has it all
+    swings     whether states may swing each other up: then powers are had in whole numbers
     """
 
     dt: float

@@ -142,11 +142,11 @@ def solve_ratio(
     r, q = ti_td * (1 + x * x), abs(s)
     a = cos(target.theta) / target.size - x * max(s, 0.0)
     # (r - x^2) u^2 + (r q + 2 a x) u = a^2; of two positive roots the smaller one
-    line = r * q + 2 * a * x
-    u = 2 * a * a / (line + sqrt(line * line + 4 * (r - x * x) * a * a))
+    root = sqrt(r * (r * q * q + 4 * q * a * x + 4 * a * a))
+    u = 2 * a * a / (r * q + 2 * a * x + root)
     b, c = (u + q, u) if s > 0 else (u, u + q)
     return PID(
-        kp=a - x * u,
+        kp=sqrt(r * u * (u + q)),
         ki=target.v * c,
         kd=b * (1 + x * x) / target.v,
         filter_pole=2 / target.dt if filter_pole is None else filter_pole,
