@@ -1,10 +1,12 @@
 """Many poles far from z = 1: moving averages and Smith predictors, beside their recursions."""
 
 import mpmath
+import numpy as np
 import pytest
 from scipy import signal
 
 import zoh
+from zoh.analysis.closed import closed_loop
 from zoh.analysis.realised import Chain
 
 DT = 0.1
@@ -136,6 +138,15 @@ def test_slow_poles_beside_many_far_ones(far):
     lag = -DT / mpmath.log1p(-(mpmath.mpf(2) ** -20))
     # 1e-6: of a million samples the first at or above is meant
     assert rise == pytest.approx(float((5.3223203 - 1.1020653) * lag), rel=1e-6)
+
+
+def test_what_grows_beyond_floats_is_refused():
+    """Thirty taps of 3 around a lag: unstable, its swing doubles within samples."""
+    grown = zoh.Sampled(num=[3.0] * 30, den=[1.0] + [0.0] * 30, dt=DT)
+    motion = closed_loop(LAG, grown)
+    assert np.abs(motion.run(motion.start, 400)).max() > 1e3
+    with pytest.raises(zoh.SpecError, match=r"controller must have a response that can be"):
+        motion.run(motion.start, 3, 16)
 
 
 FILTERS = [  # overshoot in % of butter(6, 0.95), butter(20, 0.3), butter(12, 0.8) of SciPy

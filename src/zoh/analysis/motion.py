@@ -26,6 +26,7 @@ Indices = npt.NDArray[np.int64]
 QUIET = 1e-10  # the slowest mode has fallen to this at the horizon: no peak after it has 9 digits
 _SLOWEST = 1e-14
 _BITS = 320  # of the powers of what swings: those of a float, and what they grow by, squared
+_EXPONENTS = 1023  # octaves above 1 that a float has
 _SWUNG_UP = 1e9  # of its size a state is made of: its square is all the roundings there are
 _PLAIN = 1e-3  # a decay per step that I + S holds to 13 digits: S by itself need not be kept
 _AT_ONCE = 1e6  # the decay of a mode at z = 0
@@ -104,12 +105,18 @@ class Motion:
         return powers[i]
 
     def _swung(self, i: int) -> Array:
-        """Return (I + S)' of 2^i samples, rounded once: what floats square grows by its square."""
+        """Return (I + S)' of 2^i samples, rounded once: what floats square grows by its square.
+
+        Raises SpecError where that is beyond them.
+        """
         if not self._wholes:
             self._wholes.append(_whole(self.delta))
         while len(self._wholes) <= i:
             s = self._wholes[-1]
-            self._wholes.append(s + s + (s.dot(s) >> _BITS))
+            s = s + s + (s.dot(s) >> _BITS)
+            if max(x.bit_length() for x in s.flat) >= _BITS + _EXPONENTS:
+                raise self._swung_up()
+            self._wholes.append(s)
         one = 1 << _BITS
         rows = (self._wholes[i].T + one * np.eye(len(self.delta), dtype=object)).tolist()
         return np.array([[x / one for x in row] for row in rows])
@@ -164,12 +171,15 @@ class Motion:
             with np.errstate(over="raise", invalid="raise"):
                 return self._followed(final)
         except FloatingPointError:
-            raise SpecError(
-                "system" if self.effort is None else "controller",
-                "must have a response that can be followed in 64-bit floats",
-                f"{self.own} states that swing each other up",
-                "use fewer sections, or spread them wider",
-            ) from None
+            raise self._swung_up() from None
+
+    def _swung_up(self) -> SpecError:
+        return SpecError(
+            "system" if self.effort is None else "controller",
+            "must have a response that can be followed in 64-bit floats",
+            f"{self.own} states that swing each other up",
+            "use fewer sections, or spread them wider",
+        )
 
     def _followed(self, final: float) -> Track:
         """Return the motion from its start until its slowest mode is gone."""
