@@ -7,7 +7,7 @@ import numpy as np
 
 from zoh.batch.arrays.look import Seen, moved
 from zoh.batch.arrays.rows import Array, Complex, Index, Mask, taken
-from zoh.batch.tolerances import BAND, GONE, LOST, NEAR, QUIET, REST, SHOWN, TURN
+from zoh.batch.tolerances import BAND, GONE, LOST, NEAR, NOTHING, QUIET, REST, SHOWN, TURN
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,7 +63,7 @@ class Modes:
         with np.errstate(invalid="ignore"):
             lost = LOST * np.stack([size, np.maximum(np.abs(most), np.abs(least))])
             still = total[0] < NEAR * BAND * size
-            still &= (higher[0] <= top - size) | (total[0] <= lost[0])
+            still &= (higher[0] <= top - size) | (total[0] <= NOTHING * size)
             inside = (at_rest + higher[1] <= most) & (at_rest - lower[1] >= least)
             still &= (total[1] <= lost[1]) | inside
             alive = (sizes > lost).any(axis=1)

@@ -172,7 +172,7 @@ def left(
             turning = max(turning, m.turn[i])
     still = of_y < NEAR * BAND * full
     higher = 0.0 if fast_y <= -slow_y else fast_y + max(slow_y, 0.0)
-    still = still and (higher <= seen[TOP] - full or of_y <= LOST * full)
+    still = still and (higher <= seen[TOP] - full or of_y <= NOTHING * full)
     higher = 0.0 if fast_u <= -slow_u else fast_u + max(slow_u, 0.0)
     lower = 0.0 if fast_u <= slow_u else fast_u + max(-slow_u, 0.0)
     fits = at_rest + higher <= seen[MOST_U] and at_rest - lower >= seen[LEAST_U]
