@@ -9,7 +9,7 @@ figures to the same digits, checked against zoh's here, but it is given what zoh
 proves nothing, and is right of the nominal loops alone.
 Nominal loops are an arm's, K, a, wc within 20 %; of the wide ones, with dt over four decades, half
 cannot be designed, and the peers are given others. Everything takes turns; printed are least
-times of one loop in us, CPU time but for two threads, and the ratio to python-control's.
+times of one loop in us, CPU time but where the clock is named, and the ratio to python-control's.
 
     python -m benchmarks.sweep.speed --loops 65536 --limit-arrays 100 --limit-compiled 500
 
@@ -32,6 +32,7 @@ from zoh.batch.arrays import run as arrays
 from zoh.batch.job import Job
 
 ARM = zoh.Plant(num=[1], den=[1, 1, 0])
+ONE, TWO = "compiled, by the clock", "2 threads, by the clock"
 TURNS = 5
 PEERS = 8  # loops of python-control and of the single design in a turn
 
@@ -94,9 +95,8 @@ def compared(columns: dict[str, np.ndarray], n: int, with_floor: bool) -> dict[s
         "single": (lambda: single.run(job, one), PEERS, time.process_time),
         "arrays": (lambda: arrays.run(job, few), n // 8, time.process_time),
         "compiled": (lambda: compiled.run(job, columns, threads=1), n, time.process_time),
-        "compiled, 2 threads": (
-            lambda: compiled.run(job, columns, threads=2), n, time.perf_counter
-        ),
+        ONE: (lambda: compiled.run(job, columns, threads=1), n, time.perf_counter),
+        TWO: (lambda: compiled.run(job, columns, threads=2), n, time.perf_counter),
     }  # fmt: skip
     if with_floor:
         plain = Floor(columns)
@@ -126,9 +126,10 @@ def main() -> int:
         base = found["python-control"]
         print(f"{name}: zoh {zoh.__version__}, python-control {control.__version__}")
         for way, us in found.items():
-            print(f"  {way:22}{us:12.2f} us a loop{base / us:10.0f} times python-control's rate")
+            print(f"  {way:24}{us:12.2f} us a loop{base / us:10.0f} times python-control's rate")
         if "Octave" not in found:
             print("  octave-cli is not installed, or did not run")
+        print(f"  two threads do {found[ONE] / found[TWO]:.2f} times what one does")
         if family is nominal:
             over = found["compiled"] / found["plain C, a floor"]
             print(f"  compiled takes {over:.2f} times the floor")
