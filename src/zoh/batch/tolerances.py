@@ -38,4 +38,5 @@ CREST = 0.98  # of the band: between samples at a long stride it may be left
 BELOW = 0.02  # of the highest sample: how far below it a crest's own may be, at a long stride
 NOTHING = 1e-10  # an overshoot below this part of the final value is rounding
 FAINT = 1e-9  # a final value below this is lost in what is left of the modes, QUIET or not
-LEVELS, MOST = 40, 4096  # doublings of the stride, and samples at one, that a loop is followed for
+LEVELS = 40  # doublings of the stride that a loop is followed for
+MOST, FAR = 4096, 1 << 20  # samples at one stride, by arrays and by the compiled loop

@@ -101,11 +101,12 @@ def restless(z: Complex) -> Mask:
 
     Whether such a motion has settled is for a bound on what is left of it to say. The single
     design's stride is TURN of the fastest mode that lives, rounded down to a power of 2, and may be
-    kept until one that turns a quarter as fast has gone: so TURN/8 is the least.
+    kept until one that turns a quarter as fast has gone: so TURN/8 is the least. What swings is a
+    pair that is followed once.
     """
     log_z = np.log(z)
     decay, turn = np.maximum(-log_z.real, 1e-14), np.abs(log_z)
     rest = REST / np.min(decay, axis=0, initial=inf)
     shown = np.minimum(GONE / decay, rest) * np.minimum(1.0, turn * (8 / TURN))
-    found: Mask = np.sum(shown, axis=0) > SHOWN
+    found: Mask = np.sum(np.where(np.abs(log_z.imag) > decay, shown / 2, shown), axis=0) > SHOWN
     return found

@@ -151,7 +151,8 @@ def restless(w: int, n: int, slowest: float) -> bool:
     for i in range(n):
         over = m.im[i] * m.im[i] - (1.0 - m.re[i]) * (1.0 + m.re[i])  # |z|^2 - 1
         decay = max(-0.5 * log1p(over), 1e-14) if over > -1.0 else _GONE
-        shown += min(GONE / decay, rest) * min(1.0, m.turn[i] * (8.0 / TURN))
+        share = 0.5 if abs(m.im[i]) > decay else 1.0
+        shown += share * min(GONE / decay, rest) * min(1.0, m.turn[i] * (8.0 / TURN))
     return shown > SHOWN
 
 

@@ -52,7 +52,7 @@ from zoh.batch.compiled.track import (
     twice,
 )
 from zoh.batch.compiled.turns import suspected
-from zoh.batch.tolerances import BAND, FAINT, LEVELS, LOST, MOST, NEAR, NOTHING, QUIET, TURN
+from zoh.batch.tolerances import BAND, FAINT, FAR, LEVELS, LOST, NEAR, NOTHING, QUIET, TURN
 
 _CLOSE = 4.0 * BLOCK  # samples looked at one by one at least: what is met there costs the least
 
@@ -78,7 +78,7 @@ def step_metrics(
     while level < LEVELS:
         twice(w, level + DOUBLINGS - 1, size)
         first_four(w, level, size)
-        for _ in range(MOST // BLOCK):
+        for _ in range(FAR // BLOCK):
             ahead(w, level, size)
             if level == 0:
                 every_sample(w, count, n, sign, full, k, size)
