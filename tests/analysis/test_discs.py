@@ -324,6 +324,15 @@ def test_zeros_on_the_right_from_a_coarse_grid(k, zeros, v):
     assert discs.unstable_zeros(late([k], [1, 3, 3, 1], 1.0), np.array(v)) == zeros
 
 
+@pytest.mark.parametrize(("factor", "zeros"), [(0.999, 0), (1.001, 2)])
+def test_zeros_of_a_loop_in_units_whose_products_no_float_holds(factor, zeros):
+    """The same in a time of 1e-60 s: den is 1e180 and more."""
+    unit, k = 1e60, factor * _lag3(pi)
+    den = [1, 3 * unit, 3 * unit**2, unit**3]
+    fast = late([k * unit**3], den, 1 / unit)
+    assert discs.unstable_zeros(fast, np.array([10 * unit])) == zeros
+
+
 @pytest.mark.parametrize("v", [[0.5], [3.0], [200.0], [0.1, 1.0, 10.0]])
 def test_zeros_of_a_sampled_loop_from_a_coarse_grid(v):
     """z^-m k/(z-1) leaves at k = 2 sin(pi/(4m+2)), as in test_proof."""
@@ -378,6 +387,13 @@ def test_sixty_rounds_are_the_end(halvings, decided):
 @pytest.mark.parametrize(("count", "decided"), [(400_000, True), (400_001, False)])
 def test_so_many_intervals_are_the_end(count, decided):
     found = asked(part_of(np.arange(count + 1.0)), lambda a, b: (a > 0.5) | (b - a < 1))
+    assert (found is not None) is decided
+
+
+@pytest.mark.parametrize(("count", "decided"), [(133_333, True), (133_334, False)])
+def test_intervals_of_all_rounds_count(count, decided):
+    """None is proved at first, then all halves but one: 3 count, and 2 more where there is room."""
+    found = asked(part_of(np.arange(count + 1.0)), lambda a, b: (b - a < 1) & ((a > 0) | (b < 0.5)))
     assert (found is not None) is decided
 
 

@@ -155,6 +155,17 @@ def test_the_side_of_the_loop_and_its_slope(asked):
         assert at(discs.stretches(LOOP, V)[0], np.array([w]))[0] == pytest.approx(wanted, rel=1e-13)
 
 
+def test_the_side_of_the_loop_where_its_denominator_turns_it(asked):
+    discs.turns(LOOP, V, 0)
+    value, slope, _ = asked[0]
+    d = discs_of(2j, 0.1, 1 + 1j, 0.2, top_slope=1.0, bottom_slope=2j, top_slope_radius=0.05,
+                 bottom_slope_radius=0.1)  # fmt: skip
+    # Im(2j (1 - j)), by 2 0.2 + sqrt(2) 0.1 + 0.02
+    assert np.ravel(value(d)) == pytest.approx([2.0, 0.42 + 0.1 * 2**0.5], rel=1e-14)
+    # Im(1 - j) + Im(2j (-2j)); by 0.2 + sqrt(2) 0.05 + 0.01 and 2 0.1 + 2 0.1 + 0.01
+    assert np.ravel(slope(d)) == pytest.approx([-1.0, 0.62 + 0.05 * 2**0.5], rel=1e-14)
+
+
 def test_t_beside_its_level_and_its_slope(asked):
     discs.passages(LOOP, V, 0.5, [])
     value, slope, at = asked[0]
