@@ -358,3 +358,23 @@ def test_beside_a_needle_it_has_no_distance_either():
     found = measure_loop(Loop.of(loop))
     assert (found.modulus_margin, found.disk_margin, found.mt) == (0.0, 0.0, inf)
     assert found.ms_frequency == pytest.approx(sqrt(2), rel=1e-12)
+
+
+def test_a_zero_with_next_to_no_damping_turns_the_loop_through_minus_one():
+    """-(s^2 + e s + 1)/(s + 1)^3 at 1 + e/2: (-2 x + j e)/(2 - 2j) is -e/2 where x is e/2."""
+    for e in (1e-20, 1e-31):
+        found = measure_loop(Loop.of(Plant(num=[-1, -e, -1], den=[1, 3, 3, 1])))
+        # at rest L is -1; at sqrt(3) it is 2/(1 + j sqrt 3)^3, -1/4
+        wanted = [(0.0, 1.0), (1.0, 2 / e), (sqrt(3), 4.0)]
+        for seen, true in zip(found.phase_crossings, wanted, strict=True):
+            # 1e-7: of 128 bits of a root those beyond e are left
+            assert seen == (pytest.approx(true[0], rel=1e-14), pytest.approx(true[1], rel=1e-7))
+
+
+def test_rounding_beside_a_pole_without_damping_is_no_crossing():
+    """0.1/((w + 1.5)(w^2 + 1.2)): the float next to 1.5 1.2 turns L below the mode, by 1e-16 of it.
+
+    L turns by 90 deg at most on both sides of the pole, where it is infinite.
+    """
+    held = Sampled.from_w(num_w=(0.1,), den_w=(1.0, 1.5, 1.2, 1.5 * 1.2), dt=1.0)
+    assert measure_loop(Loop.of(held)).phase_crossings == ()
