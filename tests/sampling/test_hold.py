@@ -227,3 +227,15 @@ def test_finer_coefficients_have_two_hundred_and_fifty_bits(dt, delay):
                 top, bottom = (sum(c * w**i for i, c in enumerate(x[::-1])) for x in (num, den))
                 # 1e-65: powers of a small dt cancel in the truth, which began with 100 digits
                 assert abs(top / bottom / held - 1) < mpf(10) ** -65
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.35])
+def test_with_more_digits_an_integrator_stays_one(delay):
+    """1/(s (s^2 + 1)): its denominator in w is w (w^2 + q), q = (tan(dt/2) 2/dt)^2, and no more."""
+    dt = 0.5
+    plant = Plant.zpk(zeros=[], poles=[0, 1j, -1j], gain=1.0, dead_time=delay * dt)
+    _, den, _ = sample(plant, dt).finer.whole_w
+    assert (den[1], den[3]) == (0, 0)
+    with mp.workdps(100):
+        q = (2 / mpf(dt) * mp.tan(mpf(dt) / 2)) ** 2
+        assert abs(mpf(den[2]) / den[0] / q - 1) < mpf(2) ** -250
