@@ -212,3 +212,13 @@ def test_systems_are_told_apart_by_how_many_they_are():
     for other in (These(()), These((one, one)), These((twin,)), (one,)):
         assert These((one,)) != other
         assert other != These((one,))
+
+
+@pytest.mark.parametrize("k", [1.0, 1e-150])
+def test_what_is_shared_is_left_out_and_what_is_left_are_floats(k):
+    """k (s^2 + 1)/((s + 1)(s^2 + 1)): k/(1 + 2j) at v = 2."""
+    plain = Loop.of(Plant(num=[k, 0, k], den=[1, 1, 1, 1])).without_shared()
+    top, bottom = plain.point(2.0)
+    assert top / bottom == pytest.approx(k / (1 + 2j), rel=1e-15, abs=0)
+    assert len(plain.den) == 2
+    assert plain.without_shared() is None

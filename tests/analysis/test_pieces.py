@@ -173,3 +173,10 @@ def test_of_a_motion_that_does_not_die_one_crest_is_looked_into(monkeypatch):
     assert found.peak == pytest.approx(2, rel=1e-9)
     assert found.peak_time % (2 * pi) == pytest.approx(pi, abs=1e-8)  # a million roundings
     assert found.settling_time is None
+
+
+def test_a_top_beyond_the_end_is_the_value_there():
+    """5 t - t^2 - 2 t^3 + t^4 bends down on [0, 1], still rises by 1 at its end, 3, and bends up
+    further on: a tangent there would pass below.
+    """
+    assert highest_bounds(np.array([[0.0], [5.0], [-1.0], [-2.0], [1.0]])).tolist() == [3.0]

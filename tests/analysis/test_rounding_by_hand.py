@@ -212,6 +212,9 @@ def test_no_delay_is_doubted_where_there_is_none_or_it_is_none_to_rely_on():
     slow = Loop.of(Sampled(num=[1e-9], den=[1, -1], dt=DT))  # crosses at 2e-9 rad/s
     assert measure_loop(slow).delay_margin > 1e8
     assert rounding._delay_shift(slow, measure_loop(slow)) == 0.0
+    for dt in (1e-3, DT, 1e3):  # 1e-7 a sample, turned by 90 deg: 3e-8 of Nyquist's frequency
+        slow = Loop.of(Sampled(num=[1e-7], den=[1, -1], dt=dt))
+        assert rounding._delay_shift(slow, measure_loop(slow)) == 0.0
     seen = Loop.of(Sampled(num=[1e-6], den=[1, -1], dt=DT))  # 1e-6 w dt: 3e-7 of Nyquist's
     # |L| = 1e-6/(v dt), turned by 90 deg and hardly more: u/(pi/2) + u
     wanted = HALF_A_UNIT * (1 + 2 / mp.pi)
@@ -373,6 +376,6 @@ def test_an_end_as_near_to_one_as_its_doubt_is_doubted(monkeypatch):
 
 
 def test_a_hundred_is_shown_with_its_digits():
-    assert [rounding._shown(x) for x in (9.96, 42.0, 100.0, 1e4, inf)] == [
-        "10", "42", "100", "10000", "any number of",
+    assert [rounding._shown(x) for x in (9.96, 42.0, 99.5, 100.0, 1e4, inf)] == [
+        "10", "42", "100", "100", "10000", "any number of",
     ]  # fmt: skip
