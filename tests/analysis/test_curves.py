@@ -27,6 +27,14 @@ def test_the_points_by_hand():
     assert curve.y_between == pytest.approx(np.concatenate(between), rel=1e-14)
 
 
+def test_a_feedforward_with_a_state_by_hand():
+    # f(k+1) = f/2 + r/4: 0, 1/4, 3/8; u = (r - y)/2 + f: 1/2, 5/8, 19/32; y rises by u/2 a sample
+    ahead = Sampled(num=[0.25], den=[1, -0.5], dt=0.5)
+    curve = trace(INTEGRATOR, HALF, t_end=1.5, feedforward=ahead)
+    assert curve.u[:3].tolist() == [1 / 2, 5 / 8, 19 / 32]
+    assert curve.y.tolist() == [0, 1 / 4, 9 / 16, 55 / 64]
+
+
 def test_a_dead_time_cuts_a_sample_in_two():
     # u(k) acts from (k + 0.3) dt on: two stretches, three steps in each for five points or more
     plant = Plant(num=[1], den=[1, 0], dead_time=0.15)
@@ -100,6 +108,11 @@ REFUSED = [
     (
         {"t_end": 5e5},
         "t_end must be at most 1000000 samples (5e+05 s), got 500000.0: draw a shorter time",
+    ),
+    (
+        {"per_sample": 16_666_667},  # of three samples
+        "per_sample must give 50000000 points or fewer, 16666666 a sample here, got 16666667: "
+        "draw fewer points",
     ),
 ]
 

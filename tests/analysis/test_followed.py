@@ -167,6 +167,20 @@ def assert_exact(motion, states, y, u):
         assert got.dot(states) == pytest.approx(wanted, rel=0, abs=1e-12 * float(most))
 
 
+def test_the_effort_of_a_pd_keeps_its_digits():
+    """1/s^2 under 1/16 + (z - 1)/(T z), sample by sample: u begins at a million and goes to -1."""
+    gain, fast = Fraction(1, 16), Fraction(1 / T)
+    pd = Sampled(num=[float(gain + fast), -float(fast)], den=[1.0, 0.0], dt=T)
+    motion = closed_loop(Plant(num=[1.0], den=[1.0, 0.0, 0.0]), pd)
+    x, v, before, t, state = Fraction(0), Fraction(0), Fraction(0), Fraction(T), motion.start
+    for _ in range(40):
+        e = 1 - x
+        u = (gain + fast) * e - fast * before
+        assert motion.effort.dot(state) == pytest.approx(float(u), rel=1e-13, abs=0)
+        x, v, before = x + t * v + t * t / 2 * u, v + t * u, e
+        state = state + motion.delta.dot(state)
+
+
 def highest(top, bottom, near):
     """Return the largest y of 1/s^2 under a controller of order one, at 60 digits.
 

@@ -3,7 +3,7 @@
 1/s under P 1/2 at dt 1: y goes straight from sample to sample, and what is left halves.
 """
 
-from math import inf, sqrt
+from math import exp, inf, sqrt
 
 import pytest
 
@@ -275,3 +275,18 @@ def test_a_table_has_no_response_in_time():
         )
     with pytest.raises(zoh.SpecError, match=r"^plant must be a zoh\.Plant, got 3: "):
         zoh.response(3, HALF, by="step")
+
+
+def test_a_ripple_that_is_approached_rises_above_the_error_at_the_samples():
+    """1/(s + 1), half a sample late, under an integral of 1/10: y goes in arcs from k + 1/2 on.
+
+    At rest y(k + 1/2 + t) = y(k + 1/2) + (1 - exp(-t))/(1 - exp(-1)): the error is 10 at the
+    samples, and where an arc begins more, by what the arc half way is above its chord.
+    """
+    late = zoh.Plant(num=[1], den=[1, 1], dead_time=0.5)
+    got = zoh.response(late, zoh.Sampled(num=[0.1], den=[1, -1], dt=1.0), by="ramp")
+    height = (1 - exp(-0.5)) / (1 - exp(-1)) - 0.5
+    assert got.final_value == pytest.approx(10.0, rel=1e-12)
+    # 1e-7: followed until a hundred millionth of the slowest mode is left
+    assert got.peak == pytest.approx(10 + height, rel=1e-7)
+    assert got.peak_time is None
