@@ -107,6 +107,19 @@ def test_noise_does_not_bring_back_what_is_hidden():
     assert zoh.margins(controller("zero") * noisy).stable is False
 
 
+def test_what_is_hidden_or_left_open_is_so_whatever_points_are_left_out():
+    """A hundred times the loop is further away than -1."""
+    loud = FrequencyResponse.from_complex(w=W, gain=10 / (np.exp(1j * W * DT) - 1), dt=DT)
+    moved = Path.of(controller("gain") * loud)
+    path = Path.of(controller("zero") * table("integrator"))
+    found = agreed(path, [moved])
+    assert found == count(path)
+    assert (found.unstable, found.hidden[:10]) == (1, "at z = 1: ")
+    found = agreed(Path.of(controller("gain") * table("integrator", uncertainty=0.9)), [moved])
+    assert found.unstable is None
+    assert found.why.startswith("within its uncertainty (3 sigma) the loop may be -1 at ")
+
+
 def first_words(loop):
     return zoh.margins(loop).warnings[0]
 

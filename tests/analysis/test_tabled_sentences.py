@@ -306,6 +306,14 @@ def test_evidence_is_what_was_given():
             "requirements must be zoh.Requirements, got {'pm_deg': 30}: Requirements(ms=1.8)",
         ),
         (
+            lambda: in_clock(integrator(), 0.1, -0.5),
+            "compute_delay must be 0 or more, got -0.5: give seconds, 0 or more",
+        ),
+        (
+            lambda: in_clock(integrator(dt=0.1), 0.1, -0.5),
+            "compute_delay must be 0 or more, got -0.5: give seconds, 0 or more",
+        ),
+        (
             lambda: in_clock(integrator(dt=0.1), 0.2, 0.0),
             "dt must be the table's 0.1 s, got 0.2: it was measured so",
         ),

@@ -121,6 +121,17 @@ def test_the_dictionary_by_hand():
     assert (unstable["met"], unstable["misses"]) == (False, ["the closed loop is unstable"])
 
 
+def test_the_dictionary_of_a_weighted_reference_has_its_path():
+    # u = 0.5 (0.75 r - y): -0.125 r beside the law, and 0.375 r in all
+    found = measure(INTEGRATOR, HALF, gains={"kp": 0.5}, setpoint_weight=0.75)
+    assert (found.feedforward.num, found.feedforward.den) == ((-0.125,), (1.0,))
+    told = found.to_dict()
+    assert (told["setpoint_weight"], told["derivative_weight"]) == (0.75, 1.0)
+    assert told["reference_path"] == {
+        "num": [0.375], "den": [1.0], "dt": 1.0, "num_w": [0.375], "den_w": [1.0]
+    }  # fmt: skip
+
+
 REFUSED = [
     ({"dt": 2.0}, "dt must be the controller's 1.0 s, got 2.0: use one clock"),
     ({"reference": 0}, "reference must not be 0, got 0.0: a step of 0 shows nothing"),
