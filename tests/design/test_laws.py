@@ -276,6 +276,23 @@ def test_lag_by_hand():
     assert got.wp < got.w0  # a lag
 
 
+def test_a_lead_with_its_pole_and_a_lag_with_its_zero_on_the_right_by_hand():
+    # theta = 60 deg, v sin = sqrt 3, a0 |G| = 1/sqrt 2: more than the 45 deg of a stable pole
+    spec = Crossover(wc=pi / 2, pm_deg=105)
+    got = first_order.lead(INTEGRATOR, spec, dc_gain=1.0, any_pole=True)
+    assert got.w0 == pytest.approx(sqrt(3) / (sqrt(2) - 0.5), rel=1e-14)
+    assert got.wp == pytest.approx(sqrt(3) / (0.5 - sqrt(0.5)), rel=1e-14)
+    with pytest.raises(Infeasible):
+        first_order.lead(INTEGRATOR, spec, dc_gain=1.0, any_sign=True)
+    # theta = -30 deg, v sin = -1, a0 |G| = 1.1: more than the 24.6 deg of a zero on the left
+    spec = Crossover(wc=pi / 2, pm_deg=15)
+    got = first_order.lag(INTEGRATOR, spec, dc_gain=1.1 * sqrt(2), any_sign=True)
+    assert got.w0 == pytest.approx(1 / (sqrt(3) / 2 - 1 / 1.1), rel=1e-14)
+    assert got.wp == pytest.approx(1 / (1.1 - sqrt(3) / 2), rel=1e-14)
+    with pytest.raises(Infeasible):
+        first_order.lag(INTEGRATOR, spec, dc_gain=1.1 * sqrt(2), any_pole=True)
+
+
 @given(plants, shares, margins, st.floats(0.02, 50))
 def test_lead_and_lag_are_where_they_were_asked_to_be_or_say_why_not(plant, share, pm_deg, ratio):
     spec = asked(plant, share, pm_deg)
