@@ -4,7 +4,7 @@ Each function returns the value in the form the library works with, or raises ``
 """
 
 from collections.abc import Iterable, Mapping, Set
-from math import isfinite
+from math import inf, isfinite
 from numbers import Real
 from typing import Any, TypeGuard, TypeVar
 
@@ -41,6 +41,8 @@ def number(name: str, value: object, way_out: str = "give one real number") -> f
 
 def positive(name: str, value: object, way_out: str = "give a number above zero") -> float:
     """Return ``value`` as a finite float above zero."""
+    if type(value) is float and 0 < value < inf:  # nearly always
+        return value
     result = number(name, value, way_out)
     if result <= 0:
         raise SpecError(name, "must be above 0", value, way_out)
@@ -49,6 +51,8 @@ def positive(name: str, value: object, way_out: str = "give a number above zero"
 
 def not_negative(name: str, value: object, way_out: str = "give zero or more") -> float:
     """Return ``value`` as a finite float, zero or above."""
+    if type(value) is float and 0 <= value < inf:  # nearly always
+        return value
     result = number(name, value, way_out)
     if result < 0:
         raise SpecError(name, "must be 0 or more", value, way_out)

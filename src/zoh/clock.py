@@ -15,11 +15,10 @@ from typing import Any
 import numpy as np
 
 from zoh import checks
-from zoh.analysis.asked import OF_TIME, missed
+from zoh.analysis.asked import NOTHING_ASKED, OF_TIME, missed
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import measure_loop
 from zoh.analysis.results import Margins, jsonable
-from zoh.analysis.verify import NOTHING_ASKED
 from zoh.analysis.word_length import word_length
 from zoh.design.sections import SecondOrder, in_series
 from zoh.errors import Infeasible, NotMet, SpecError

@@ -7,7 +7,7 @@ with the law; ``allow`` names what is refused otherwise, see ``zoh.request.ALLOW
 
 from collections.abc import Sequence
 
-from zoh.analysis.verify import NOTHING_ASKED
+from zoh.analysis.asked import NOTHING_ASKED
 from zoh.design.sections import SecondOrder
 from zoh.pipeline import Design, Known, design
 from zoh.spec import Requirements

@@ -6,8 +6,9 @@ from dataclasses import replace
 from math import inf
 from typing import overload
 
+from zoh.analysis.asked import NOTHING_ASKED
 from zoh.analysis.tabled.verify import TableVerified
-from zoh.analysis.verify import NOTHING_ASKED, Verified
+from zoh.analysis.verify import Verified
 from zoh.certificate import certified
 from zoh.choice.before import contradicted
 from zoh.choice.choose import choose, nothing_asked, signs

@@ -68,7 +68,7 @@ def checked(
     Traceback (most recent call last):
     zoh.errors.SpecError: ki must be above 0, got -1.0: allow=["negative_gains"] permits it
     """
-    if not isinstance(law, str) or law not in (*LAWS, AUTO):
+    if not isinstance(law, str) or (law not in LAWS and law != AUTO):
         names = ", ".join((*LAWS, AUTO))
         raise SpecError("law", f"must be one of {names}", law, "choose one of these")
     if not isinstance(given, Mapping):
@@ -98,7 +98,7 @@ def _value(name: str, value: object, allow: frozenset[str]) -> float:
     found = checks.number(name, value, "give a number above zero")
     if word is not None and found < 0 and word not in allow:
         raise SpecError(name, "must be above 0", value, f'allow=["{word}"] permits it')
-    if word is None or found == 0:
+    if found == 0 or (found < 0 and word is None):
         checks.positive(name, value)
     if name in _USUAL and found <= 1:
         raise SpecError(name, "must be above 1", found, f"{_USUAL[name]} is usual")
@@ -113,21 +113,24 @@ def allowed(allow: object) -> frozenset[str]:
     >>> sorted(allowed(["negative_gains"]))
     ['negative_gains']
     """
-    way_out = f"a list of {', '.join(ALLOWABLE)}"
     if isinstance(allow, str) or not isinstance(allow, Iterable):
-        raise SpecError("allow", "must be a list of words", allow, way_out)
+        raise _not_allowed("must be a list of words", allow)
     words = list(allow)
     for word in words:
         if not isinstance(word, str) or word not in ALLOWABLE:
-            raise SpecError("allow", "must hold words that are known", word, way_out)
+            raise _not_allowed("must hold words that are known", word)
     return frozenset(words)
+
+
+def _not_allowed(bound: str, value: object) -> SpecError:
+    return SpecError("allow", bound, value, f"a list of {', '.join(ALLOWABLE)}")
 
 
 def left_open(law: str, parameters: Mapping[str, float]) -> list[str]:
     """Return the parameters that were left open; a P has one of two, a PID one of ``SPARE``."""
     if law == "p" and any(name in parameters for name in OF_AUTO):
         return []
-    closed = any(name in parameters for name in SPARE)
+    closed = not parameters.keys().isdisjoint(SPARE)
     takes = ("law",) if law == AUTO else LAWS[law]
     return [name for name in takes if name not in parameters and not (name == "ki" and closed)]
 
@@ -158,4 +161,4 @@ def check_choosable(law: str, name: str) -> None:
 
 def bounded_ms(parameters: Mapping[str, float]) -> float:
     """Return the bound on Ms that a search of the spare gain is made under; inf where none is."""
-    return min((parameters[k] for k in UNDER_MS if k in parameters), default=inf)
+    return min([parameters[k] for k in UNDER_MS if k in parameters], default=inf)

@@ -12,7 +12,7 @@ OF_TIME = (
 )  # fmt: skip
 """The requirements that only a response in time shows."""
 
-_NOTHING = Requirements()
+NOTHING_ASKED = Requirements()
 _EQUAL = 1e-9  # 6 x 0.1 s is 0.6000000000000001: what equals a bound but for rounding meets it
 
 
@@ -97,7 +97,7 @@ def missed(
         return ["the closed loop is not proved to be stable"]
     if not margins.stable:
         return ["the closed loop is unstable"]
-    if asked == _NOTHING:
+    if asked is NOTHING_ASKED:
         return []
     found = of_margins(asked, margins)
     if step is not None:

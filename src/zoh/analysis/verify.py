@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import fields
 
 from zoh import checks
-from zoh.analysis.asked import checked, missed
+from zoh.analysis.asked import NOTHING_ASKED, checked, missed
 from zoh.analysis.evidence import Measured, Verified
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import measure_loop
@@ -22,7 +22,6 @@ from zoh.lti.weights import feedforward, fits
 from zoh.sampling.hold import sample
 from zoh.spec import Requirements
 
-NOTHING_ASKED = Requirements()
 _NAMES = tuple(f.name for f in fields(Measured))
 
 

@@ -13,8 +13,8 @@ from math import inf
 import numpy as np
 
 from zoh import checks
-from zoh.analysis.asked import missed
-from zoh.analysis.verify import NOTHING_ASKED, Measured, Verified
+from zoh.analysis.asked import NOTHING_ASKED, missed
+from zoh.analysis.verify import Measured, Verified
 from zoh.batch import backend, bounds
 from zoh.batch.blocks import computed
 from zoh.batch.job import GIVEN, Job, refuse_weights
