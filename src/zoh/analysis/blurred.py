@@ -7,7 +7,7 @@ slope of the gain or of the phase there, and |1 + L| by rho |L|. First order, an
 Source: that of ``rounding``, which asks the same of given z-coefficients.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
 from math import copysign, degrees, inf, sqrt
 
@@ -85,10 +85,10 @@ def _undamped(a: Poly) -> tuple[float, ...]:
     return tuple([v for v in places if abs(scalar(a, v)) < _BESIDE * terms(a, v)])
 
 
-def _roots(a: Poly) -> Iterator[float]:
-    """Yield the real parts of the roots of a that are below 0: a double one may come out complex.
+def _roots(a: Poly) -> list[float]:
+    """Return the real parts of the roots of a that are below 0: a double one may come out complex.
 
-    >>> list(_roots((1.0, 3.0, 2.0))), list(_roots((1.0, 2.0, 1.0 + 2.0**-52)))
+    >>> _roots((1.0, 3.0, 2.0)), _roots((1.0, 2.0, 1.0 + 2.0**-52))
     ([-2.0, -1.0], [-1.0])
     """
     a = poly.trim(a)
@@ -100,7 +100,7 @@ def _roots(a: Poly) -> Iterator[float]:
         found = [larger / a[0], *([a[2] / larger] if inside > 0 else [])]
     else:
         found = [-a[1] / a[0]] if len(a) == 2 else []
-    return (x for x in found if -inf < x < 0)
+    return [x for x in found if -inf < x < 0]
 
 
 def _worst(

@@ -190,7 +190,7 @@ def _in_series(these: These) -> Loop:
     """Return ``Loop.of``."""
     num, den, unit, dt, dead_time, factors = product(these.systems)
     try:
-        top, bottom = (tuple([c / unit for c in a]) for a in (num, den))
+        top, bottom = tuple([c / unit for c in num]), tuple([c / unit for c in den])
     except OverflowError:
         raise out_of_range([*these.systems]) from None
     return Loop(num=top, den=bottom, exact=(num, den), dt=dt, dead_time=dead_time, factors=factors)

@@ -71,7 +71,7 @@ def phase_crossings(
         return _always_real(loop, squares, unities, beside)
     crossings = [found for v in turns if (found := _at_turn(loop, squares, v, beside))]
     every = crossings + _at_the_ends(loop)
-    return sorted((w, factor) for w, factor in every if 0 < factor < inf)  # what a float holds
+    return sorted([c for c in every if 0 < c[1] < inf])  # what a float holds
 
 
 def _at_unity(loop: Loop, squares: Squares, v: float, beside: list[float]) -> tuple[float, float]:

@@ -12,10 +12,11 @@ sensitivity peaks); P. Seiler, A. Packard, P. Gahinet, An Introduction to Disk M
 Control Systems 40(5), 2020, eq. (5) with sigma = 0.
 """
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import replace
+from functools import wraps
 from math import inf, isnan, log, radians, tau
+from typing import TypeVar
 
 import numpy as np
 
@@ -37,9 +38,25 @@ from zoh.errors import warn_of_accuracy
 from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
 from zoh.lti.systems import Plant, Sampled
 
+T = TypeVar("T")
+
 _ON_IT_DEG = 1e-12  # a margin this small is 0: a few roundings of the angle
 _NEEDLE = 1e-4  # |1 + L| below which its least value needs more digits than floats have
 _CHEAP = 2.5  # samples of delay up to which a proof costs less than a look from close by
+
+
+def _within_floats(measured: Callable[[Loop], T]) -> Callable[[Loop], T]:
+    """Return ``measured`` with SpecError for what is beyond floats; NumPy's words are not said."""
+
+    @wraps(measured)
+    def within(loop: Loop) -> T:
+        try:
+            with np.errstate(all="ignore"):
+                return measured(loop)
+        except (OverflowError, ZeroDivisionError):
+            raise out_of_range([*loop.num, *loop.den]) from None
+
+    return within
 
 
 def margins(loop: Plant | Sampled | FrequencyResponse | TabledLoop) -> Margins:
@@ -64,60 +81,52 @@ def margins(loop: Plant | Sampled | FrequencyResponse | TabledLoop) -> Margins:
     return found
 
 
+@_within_floats
 def measure_loop(loop: Loop) -> Margins:
     """Return the margins of a loop on its frequency axis; raise SpecError beyond floats.
 
     What the figures rest on is in their ``warnings`` alone.
     """
-    with _within_floats(loop):
-        near = next_to_the_axis(loop)
-        found = _looked_at(loop, decided(loop), near)
-        asked = near or found.modulus_margin < _NEEDLE
-        if asked and is_blurred(loop, found, near) and (finer := loop.finer()) is not loop:
-            loop, found = finer, _looked_at(finer, decided(finer), near)
-        if not _holds(found) and (plain := loop.without_shared()) is not None:
-            loop, found = plain, _looked_at(plain, decided(loop), near)
+    near = next_to_the_axis(loop)
+    found = _looked_at(loop, decided(loop), near)
+    asked = near or found.modulus_margin < _NEEDLE
+    if asked and is_blurred(loop, found, near) and (finer := loop.finer()) is not loop:
+        loop, found = finer, _looked_at(finer, decided(finer), near)
+    left = _unproved(found)
+    if left and (plain := loop.without_shared()) is not None:
+        loop, found = plain, _looked_at(plain, decided(loop), near)
+        left = _unproved(found)
     numbers = [found.gain_margin, found.phase_margin_deg, found.modulus_margin, found.mt]
     if any(map(isnan, [*numbers, found.disk_margin])):
         raise out_of_range([*loop.num, *loop.den])
-    told = (*_unproved(found), *doubts(loop, found), *(blurs(loop, found) if near else ()))
+    told = (*left, *doubts(loop, found), *(blurs(loop, found) if near else ()))
     return replace(found, warnings=told) if told else found
 
 
+@_within_floats
 def glance(loop: Loop) -> Margins:
     """Return what ``measure_loop`` does; where a delay makes proofs dear, a look from close by.
 
     For a search, the answer of which is measured anew. Raises SpecError beyond floats.
     """
-    with _within_floats(loop):
-        if loop.dead_time <= _CHEAP * (loop.dt or 0.0):
-            return _looked_at(loop, decided(loop), [])
-        squares = Squares.of(loop)
-        return _measured(loop, squares, Close.of(loop, squares), decided(loop), [], prove=False)
+    if loop.dead_time <= _CHEAP * (loop.dt or 0.0):
+        return _looked_at(loop, decided(loop), [])
+    squares = Squares.of(loop)
+    return _measured(loop, squares, Close.of(loop, squares), decided(loop), [], prove=False)
 
 
+@_within_floats
 def nearest_crossing(loop: Loop) -> tuple[float | None, float]:
     """Return the crossover and the phase margin in deg that ``glance`` shows, and nothing else."""
     if loop.dead_time <= _CHEAP * (loop.dt or 0.0):
         found = glance(loop)
         return found.crossover, found.phase_margin_deg
-    with _within_floats(loop):
-        squares = Squares.of(loop)
-        look = Close.of(loop, squares)
-        unities = look.unities()
-        turns = [] if any(squares.gain) else look.turns()
-        by_phase = phase_crossings(loop, squares, unities, turns, [])
-        return _nearest(gain_crossings(loop, squares, unities, by_phase, []))
-
-
-@contextmanager
-def _within_floats(loop: Loop) -> Iterator[None]:
-    """Raise SpecError for what is beyond floats; NumPy's own words on it are not said."""
-    try:
-        with np.errstate(all="ignore"):
-            yield
-    except (OverflowError, ZeroDivisionError):
-        raise out_of_range([*loop.num, *loop.den]) from None
+    squares = Squares.of(loop)
+    look = Close.of(loop, squares)
+    unities = look.unities()
+    turns = [] if any(squares.gain) else look.turns()
+    by_phase = phase_crossings(loop, squares, unities, turns, [])
+    return _nearest(gain_crossings(loop, squares, unities, by_phase, []))
 
 
 def _nearest(by_gain: Crossings) -> tuple[float | None, float]:

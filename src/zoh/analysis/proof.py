@@ -25,6 +25,7 @@ from zoh.lti.whole import Whole
 
 _ROUNDING = 1e-13  # |D + N| of its terms where a loop runs through -1
 PEAK_TOL = 1e-9  # relative; what is proved of a peak is that no point is higher by more than this
+_BY_MORE = f"by more than {PEAK_TOL:g} of it"
 _BESIDE = 1e-7  # relative, of a crossing: there a float has the sign of Im L
 _NOT_APART = ", not each with a sign change of its own"
 _NONE_BEYOND = ", no gain nearer to 1 beyond"
@@ -61,7 +62,7 @@ def proved(loop: Loop, squares: Squares, look: Look, found: Found, *, stable: Pr
     """Return the proofs for what was found in a look."""
     gain = counted(squares.gain, found.unities)
     if not isinstance(look, Close) or squares.whole:
-        modulus, complementary, disk = (_least(squares, peak) for peak in found.peaks)
+        modulus, complementary, disk = [_least(squares, peak) for peak in found.peaks]
         phases = counted(squares.turn, found.turns)
         passages = counted(squares.drop, found.drops)
     else:
@@ -124,13 +125,12 @@ def _least(squares: Squares, peak: Peak) -> Proof:
     if peak.least == inf:
         return Proof(holds=not any(below), method="bound", detail="measured against 0 everywhere")
     level, down = _just_below(peak.least)
-    up, down = max(-down, 0), max(down, 0)
-    above = [(c << down) - (level * below[i] << up) for i, c in enumerate(squares.closed)]
+    above = whole.plus([c << down for c in squares.closed], below, -level)
     method = signs.positive(above, peak.v**2)
     return Proof(
         holds=method is not None,
         method=method or "halving",
-        detail=f"nowhere below {peak.least:.9g} by more than {PEAK_TOL:g} of it",
+        detail=f"nowhere below {peak.least:.9g} {_BY_MORE}",
     )
 
 
@@ -140,7 +140,9 @@ def _just_below(least: float) -> tuple[int, int]:
     By PEAK_TOL of the value or up to a thousandth of that less: so it has few bits.
     """
     mantissa, exponent = frexp(least)
-    return int(ldexp(mantissa * mantissa * (1 - 2 * PEAK_TOL), _BITS)) + 1, _BITS - 2 * exponent
+    level = int(ldexp(mantissa * mantissa * (1 - 2 * PEAK_TOL), _BITS)) + 1
+    down = _BITS - 2 * exponent
+    return (level, down) if down >= 0 else (level << -down, 0)
 
 
 def _between(loop: Loop, squares: Squares, look: Close, peak: Peak) -> Proof:

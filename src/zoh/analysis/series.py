@@ -62,17 +62,18 @@ def product(systems: tuple[System, ...]) -> Product:
 def _clock(systems: tuple[System, ...]) -> float | None:
     """Return the sample time that all have, None of continuous ones; refuse a mixture."""
     first = systems[0] if systems else None
+    dt = _dt(first)
     for system in systems:
         if not isinstance(system, (Plant, Sampled)):
             raise SpecError("L", "must be a zoh.Plant or zoh.Sampled", system, "make one first")
-        if type(system) is not type(first) or _dt(system) != _dt(first):
+        if type(system) is not type(first) or _dt(system) != dt:
             raise SpecError(
                 "dt",
-                f"must be the same throughout a loop ({_dt(first)!r} first)",
+                f"must be the same throughout a loop ({dt!r} first)",
                 _dt(system),
                 "zoh.sample the plant with the controller's dt",
             )
-    return _dt(first)
+    return dt
 
 
 def _dt(system: System | None) -> float | None:

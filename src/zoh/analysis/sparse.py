@@ -35,7 +35,7 @@ _NOTHING = 1e-300  # instead of 0, or of less by rounding
 class Sparse:
     """The polynomials of ``Squares`` in q/unit, as floats, and what they are on a grid.
 
-    octaves    log2(q/unit), shape (K,)
+    octaves    log2(q/unit), K of them
     values     shape (7, K)
     flips      where the last three change sign: (which of them, the point before)
     ratios     |D + N|^2 over |D|^2, |N|^2 and |D - N|^2, shape (3, K); lowest_at: where
@@ -45,7 +45,7 @@ class Sparse:
     squares: Squares
     unit: float
     polynomials: list[list[float]]
-    octaves: Array
+    octaves: Sequence[float]
     values: Array
     flips: list[tuple[int, int]]
     ratios: Array
@@ -69,8 +69,8 @@ class Sparse:
             for a, bits in zip(exact, sizes, strict=True)
         ]
         octaves, powers = _grid(high - low, longest)
-        values = np.array(rows) @ powers
-        if not isfinite(values.sum()):
+        values = np.array(rows).dot(powers)
+        if not isfinite(np.add.reduce(values, axis=None)):
             return None
         ratios = values[_CLOSED] / np.maximum(values[:_CLOSED], _NOTHING)
         rising = values[_GAIN:] > 0
@@ -107,7 +107,7 @@ class Sparse:
         """Return the v seen at which |D + N|/|below| is least."""
         which = 0 if below == ON_DEN else 1 if below == ON_NUM else 2
         i = self.lowest_at[which]
-        place = float(self.octaves[i])
+        place = self.octaves[i]
         if 0 < i < len(self.octaves) - 1:
             start = place + parabola(*self.ratios[which, i - 1 : i + 2].tolist()) / _PER_OCTAVE
             ends = 2.0 ** (place - 1 / _PER_OCTAVE), 2.0 ** (place + 1 / _PER_OCTAVE)
@@ -119,7 +119,7 @@ class Sparse:
     def _roots(self, row: int) -> list[float]:
         polynomial, brackets = self.polynomials[row], []
         for i in [place for kind, place in self.flips if kind == row - _GAIN]:
-            low, high = self.octaves[i : i + 2].tolist()
+            low, high = self.octaves[i : i + 2]
             at_low, at_high = self.values[row, i : i + 2].tolist()
             brackets.append([2.0**low, 2.0**high, at_low, at_high])
         for left, right in pairwise(brackets):
@@ -129,20 +129,20 @@ class Sparse:
 
 
 @lru_cache(maxsize=256)
-def _grid(wide: int, length: int) -> tuple[Array, Array]:
+def _grid(wide: int, length: int) -> tuple[tuple[float, ...], Array]:
     """Return (log2 of x, so many powers of x, descending) on a grid around corners so wide apart.
 
     wide  octaves from the first corner to the last; x is 1 in the middle between them
 
     >>> octaves, powers = _grid(2, 2)
-    >>> octaves.tolist()[::32], powers[:, 0].tolist()  # 7 octaves more on either side
-    ([-8.0, 8.0], [0.00390625, 1.0])
+    >>> octaves[::32], powers[:, 0].tolist()  # 7 octaves more on either side
+    ((-8.0, 8.0), [0.00390625, 1.0])
     """
     count = (wide + 2 * _BEYOND) * _PER_OCTAVE + 1
     octaves = np.arange(count) / _PER_OCTAVE - (wide // 2 + _BEYOND)
     powers = np.exp2(np.arange(length - 1, -1, -1)[:, None] * octaves)
-    octaves.flags.writeable = powers.flags.writeable = False
-    return octaves, powers
+    powers.flags.writeable = False
+    return tuple(octaves.tolist()), powers
 
 
 def _polished(f: Callable[[float], float], v: float, squares: Squares, a: Whole) -> float:

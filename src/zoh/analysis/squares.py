@@ -13,7 +13,6 @@ rounded once. They are computed as one whole number each, see ``whole.packed``.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from math import inf, sqrt
 
 from zoh.analysis.loop import Loop
@@ -65,8 +64,9 @@ class Squares:
                 den = whole.times(den, whole.power((half, one), m))
         length = max(len(num), 2)
         # no sum of so many products, twice that, has more bits than this
-        bits = 2 * max([c.bit_length() for c in (*num, *den)]) + length.bit_length() + 4
-        (ne, no), (de, do) = ([packed(part, bits) for part in whole.on_axis(a)] for a in (num, den))
+        bits = 2 * max(map(int.bit_length, (*num, *den))) + length.bit_length() + 4
+        ne, no = [packed(part, bits) for part in whole.on_axis(num)]
+        de, do = [packed(part, bits) for part in whole.on_axis(den)]
         bottom, top = de * de + (do * do << bits), ne * ne + (no * no << bits)
         both, cross = bottom + top, 2 * (ne * de + (no * do << bits))
         above, closed = unpacked(top, bits, length), unpacked(both + cross, bits, length)
@@ -147,12 +147,13 @@ def squared(v: float) -> tuple[int, int]:
 
 def _drop(top: Whole, closed: Whole) -> tuple[Whole, float]:
     """Return (drop, level) of |T|^2 = top/closed."""
-    at_rest = next(pair for pair in zip(top[::-1], closed[::-1], strict=True) if any(pair))
+    at_rest = next(filter(any, zip(top[::-1], closed[::-1], strict=True)))
     if not all(at_rest):
         return [0], 0.0
     over, unit = DROP.as_integer_ratio()
-    once = [unit * at_rest[1] * c for c in top]
-    return whole.plus(once, closed, -over * at_rest[0]), sqrt(DROP) * whole.root_of_ratio(*at_rest)
+    over, unit = over * at_rest[0], unit * at_rest[1]
+    drop = whole.plus([unit * c for c in top], closed, -over)
+    return drop, sqrt(DROP) * whole.root_of_ratio(*at_rest)
 
 
 def corners(polynomials: Sequence[Whole]) -> list[float]:
@@ -161,17 +162,22 @@ def corners(polynomials: Sequence[Whole]) -> list[float]:
     >>> corners([(1, 0, 4)])  # |roots| = 2
     [1.0]
     """
-    found = []
+    found: list[float] = []
     for a in polynomials:
         hull: list[tuple[int, int]] = []
+        slopes: list[float] = []  # from each point of the hull to the next
         for i, c in enumerate(a):
-            if c:
-                y = c.bit_length()
-                while len(hull) > 1:
-                    (left, low), (middle, high) = hull[-2:]
-                    if (high - low) * (i - left) > (y - low) * (middle - left):
-                        break
-                    hull.pop()  # it lies on or below the line between its neighbours
-                hull.append((i, y))
-        found += [(y - x) / (j - i) for (i, x), (j, y) in pairwise(hull)]
+            if not c:
+                continue
+            y = c.bit_length()
+            while hull:
+                left, low = hull[-1]
+                slope = (y - low) / (i - left)
+                if not slopes or slope < slopes[-1]:
+                    slopes.append(slope)
+                    break
+                hull.pop()  # it lies on or below the line between its neighbours
+                slopes.pop()
+            hull.append((i, y))
+        found += slopes
     return found

@@ -38,9 +38,9 @@ def decided(loop: Loop) -> tuple[bool | None, Proof]:
 
     That is where a delay leaves it on the boundary to within rounding.
     """
-    m = 0 if loop.dt is None else round(loop.dead_time / loop.dt)
     if not loop.dead_time:
         return signs.hurwitz(whole.plus(*loop.exact)), _ROUTH
+    m = 0 if loop.dt is None else round(loop.dead_time / loop.dt)
     if loop.dt is not None and m <= SHORT:
         return signs.hurwitz(_with_delay(loop, loop.dt, m)), _ROUTH
     found = _none_encircled(loop)

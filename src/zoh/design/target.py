@@ -101,7 +101,7 @@ class Target:
 
 def _refuse_no_gain(plant: Sampled, wc: float, v: float) -> None:
     for what, part in (("zero", plant.num_w), ("pole", plant.den_w)):
-        if abs(at(part, 1j * v)) <= _CANCELLED * at([abs(c) for c in part], v):
+        if abs(at(part, 1j * v)) <= _CANCELLED * at(list(map(abs, part)), v):
             raise SpecError(
                 "wc",
                 f"must be where the plant has a gain, not at a {what} on the unit circle",

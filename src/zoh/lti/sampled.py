@@ -160,7 +160,7 @@ class Sampled:
         for name, part in (("num_w", top), ("den_w", bottom)):
             if not any(part):
                 raise SpecError(name, "must not be all zeros", [0.0], "give one coefficient")
-        lead = next(c for c in bottom if c)
+        lead = next(filter(None, bottom))
         return cls.made(
             num=_floats(top, lead),
             den=_floats(bottom, lead) + (0.0,) * delay,

@@ -159,11 +159,10 @@ def _above_both_ways(a: Whole, near: float) -> bool:
     top, bottom = int(ldexp(mantissa, 32)), 32 - exponent
     if bottom < 0:
         top, bottom = top << -bottom, 0
-    n, scaled = len(a) - 1, []
-    up = 1
-    for i in range(n, -1, -1):  # power n - i
-        scaled.append((a[i] * up) << (bottom * i))
-        up *= top
+    scaled, up, bits = [], 1, bottom * (len(a) - 1)
+    for c in reversed(a):
+        scaled.append(c * up << bits)
+        up, bits = up * top, bits - bottom
     return _plainly_positive(shifted(scaled)) and _plainly_positive(shifted(scaled[::-1]))
 
 

@@ -130,8 +130,14 @@ def trim(a: Whole) -> list[int]:
     >>> trim((0, 1, 2, 0))
     [1, 2]
     """
-    nonzero = [i for i, c in enumerate(a) if c]
-    return list(a[nonzero[0] : nonzero[-1] + 1]) if nonzero else []
+    if not any(a):
+        return []
+    first, end = 0, len(a)
+    while not a[first]:
+        first += 1
+    while not a[end - 1]:
+        end -= 1
+    return list(a[first:end])
 
 
 def at(a: Whole, x: float) -> int:
@@ -198,10 +204,10 @@ def shifted(a: Whole) -> list[int]:
     >>> shifted((1, 0, 0))
     [1, 2, 1]
     """
-    rest, out = list(a), []
-    while rest:  # divided by x - 1 again and again, the remainders are the coefficients
-        rest = list(accumulate(rest))
-        out.append(rest.pop())
+    out: list[int] = []
+    while a:  # divided by x - 1 again and again, the remainders are the coefficients
+        *a, remainder = accumulate(a)
+        out.append(remainder)
     out.reverse()
     return out
 
@@ -212,7 +218,7 @@ def on_axis(a: Whole) -> tuple[list[int], list[int]]:
     >>> on_axis((1, 2, 3))  # (jv)^2 + 2 jv + 3
     ([-1, 3], [2])
     """
-    even, odd = list(a[::-1][0::2]), list(a[::-1][1::2])
+    even, odd = list(a[::-2]), list(a[-2::-2])
     for part in (even, odd):
         part[1::2] = [-c for c in part[1::2]]
         part.reverse()
