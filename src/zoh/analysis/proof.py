@@ -125,7 +125,7 @@ def _least(squares: Squares, peak: Peak) -> Proof:
     if peak.least == inf:
         return Proof(holds=not any(below), method="bound", detail="measured against 0 everywhere")
     level, down = _just_below(peak.least)
-    above = whole.plus([c << down for c in squares.closed], below, -level)
+    above = [(c << down) - level * b for c, b in zip(squares.closed, below, strict=True)]
     method = signs.positive(above, peak.v**2)
     return Proof(
         holds=method is not None,

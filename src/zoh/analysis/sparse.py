@@ -17,7 +17,7 @@ import numpy as np
 from zoh.analysis.loop import Array, Loop
 from zoh.analysis.newton import parabola, part, root, stationary
 from zoh.analysis.sharp import sharpened
-from zoh.analysis.squares import ON_DEN, ON_NUM, Below, Squares, corners
+from zoh.analysis.squares import ON_DEN, ON_NUM, ON_OPPOSITE, Below, Squares, corners
 from zoh.lti import whole
 from zoh.lti.whole import Whole
 
@@ -27,7 +27,9 @@ _NEAR = 1e-7  # relative distance of the two points of a last secant: half a flo
 _AGREE = 1e-11  # relative; the loop and its polynomial tell of one root to a float's digits
 _LOST = 1e-9  # of the values beside it: one so small has no sign in floats, a root is there
 _STEPS = 3  # of the secant, each with 7 digits more
-_CLOSED, _GAIN, _TURN, _DROP = range(3, 7)  # the first three are those of ``lowest``
+_UNDER = (ON_DEN, ON_NUM, ON_OPPOSITE)  # the first rows; those after them:
+_CLOSED, _GAIN, _TURN, _DROP = range(3, 7)
+_FINITE = 1000.0  # octaves of a power, 1024 being beyond floats; no coefficient is above 4
 _NOTHING = 1e-300  # instead of 0, or of less by rounding
 
 
@@ -70,7 +72,7 @@ class Sparse:
         ]
         octaves, powers = _grid(high - low, longest)
         values = np.array(rows).dot(powers)
-        if not isfinite(np.add.reduce(values, axis=None)):
+        if octaves[-1] * longest > _FINITE and not isfinite(values.sum()):
             return None
         ratios = values[_CLOSED] / np.maximum(values[:_CLOSED], _NOTHING)
         rising = values[_GAIN:] > 0
@@ -105,7 +107,7 @@ class Sparse:
 
     def lowest(self, below: Below) -> float:
         """Return the v seen at which |D + N|/|below| is least."""
-        which = 0 if below == ON_DEN else 1 if below == ON_NUM else 2
+        which = _UNDER.index(below)
         i = self.lowest_at[which]
         place = self.octaves[i]
         if 0 < i < len(self.octaves) - 1:

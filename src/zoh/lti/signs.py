@@ -191,8 +191,9 @@ def hurwitz(a: Whole) -> bool:
         return a[0] != 0
     if a[0] == 0:
         return False
-    sign = 1 if a[0] > 0 else -1
-    upper, lower = [sign * c for c in a[0::2]], [sign * c for c in a[1::2]]
+    if a[0] < 0:
+        a = [-c for c in a]
+    upper, lower = a[0::2], a[1::2]
     divisor, next_one = 1, 1
     while lower:
         if lower[0] <= 0:
