@@ -143,7 +143,12 @@ def test_repeated_is_what_the_derivative_shares():
     ],
 )
 def test_what_is_seen_to_be_positive_at_a_glance(a, plainly):
-    assert signs._plainly_positive(a) is plainly
+    def turned(a):
+        return [-c if (len(a) - i) % 2 == 0 else c for i, c in enumerate(a)]
+
+    in_x = turned(whole.shifted(turned(a)))  # a(x - 1)
+    assert whole.shifted(in_x) == list(a)
+    assert signs._positive_beyond_one(in_x) is plainly
 
 
 def test_a_pole_at_infinity_is_on_the_boundary_whatever_the_rest():

@@ -91,7 +91,7 @@ def _roots(a: Poly) -> list[float]:
     >>> _roots((1.0, 3.0, 2.0)), _roots((1.0, 2.0, 1.0 + 2.0**-52))
     ([-2.0, -1.0], [-1.0])
     """
-    a = poly.trim(a)
+    a = a if a[0] else poly.trim(a)
     if len(a) > 3:
         found = poly.roots(a).real.tolist()
     elif len(a) == 3:

@@ -152,7 +152,7 @@ def _drop(top: Whole, closed: Whole) -> tuple[Whole, float]:
         return [0], 0.0
     over, unit = DROP.as_integer_ratio()
     over, unit = over * at_rest[0], unit * at_rest[1]
-    drop = whole.plus([unit * c for c in top], closed, -over)
+    drop = [unit * t - over * c for t, c in zip(top, closed, strict=True)]
     return drop, sqrt(DROP) * whole.root_of_ratio(*at_rest)
 
 

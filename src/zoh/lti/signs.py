@@ -5,6 +5,7 @@ Coefficients are in descending powers.
 
 from collections.abc import Callable
 from fractions import Fraction
+from itertools import accumulate
 from math import frexp, inf, ldexp
 from operator import ne
 
@@ -163,16 +164,26 @@ def _above_both_ways(a: Whole, near: float) -> bool:
     for c in reversed(a):
         scaled.append(c * up << bits)
         up, bits = up * top, bits - bottom
-    return _plainly_positive(shifted(scaled)) and _plainly_positive(shifted(scaled[::-1]))
+    return _positive_beyond_one(scaled) and _positive_beyond_one(scaled[::-1])
 
 
-def _plainly_positive(a: Whole) -> bool:
-    """Return whether a(x) > 0 for x >= 0 is seen at a glance: c0 + c1 x + c2 x^2 > 0, rest >= 0."""
-    if a[-1] <= 0 or min(a[:-2], default=0) < 0:
+def _positive_beyond_one(a: Whole) -> bool:
+    """Return whether a(1 + t) > 0 for t >= 0 is plain: c0 + c1 t + c2 t^2 > 0, no other ci < 0.
+
+    Divided by t again and again, the remainders are the ci. Of a quotient without a coefficient
+    below 0 none of them is.
+    """
+    *a, c0 = accumulate(a)
+    if c0 <= 0 or not a:
+        return c0 > 0
+    *a, c1 = accumulate(a)
+    if c1 < 0 and c1 * c1 >= 4 * c0 * sum(a):  # which is c2
         return False
-    if len(a) < 2 or a[-2] >= 0:
-        return True
-    return len(a) > 2 and a[-2] ** 2 < 4 * a[-1] * a[-3]
+    while a and min(a) < 0:
+        *a, remainder = accumulate(a)
+        if remainder < 0:
+            return False
+    return True
 
 
 def hurwitz(a: Whole) -> bool:
