@@ -125,6 +125,8 @@ def _least(squares: Squares, peak: Peak) -> Proof:
     if peak.least == inf:
         return Proof(holds=not any(below), method="bound", detail="measured against 0 everywhere")
     level, down = _just_below(peak.least)
+    if down < 0:
+        level, down = level << -down, 0
     above = [(c << down) - level * b for c, b in zip(squares.closed, below, strict=True)]
     method = signs.positive(above, peak.v**2)
     return Proof(
@@ -140,9 +142,7 @@ def _just_below(least: float) -> tuple[int, int]:
     By PEAK_TOL of the value or up to a thousandth of that less: so it has few bits.
     """
     mantissa, exponent = frexp(least)
-    level = int(ldexp(mantissa * mantissa * (1 - 2 * PEAK_TOL), _BITS)) + 1
-    down = _BITS - 2 * exponent
-    return (level, down) if down >= 0 else (level << -down, 0)
+    return int(ldexp(mantissa * mantissa * (1 - 2 * PEAK_TOL), _BITS)) + 1, _BITS - 2 * exponent
 
 
 def _between(loop: Loop, squares: Squares, look: Close, peak: Peak) -> Proof:
