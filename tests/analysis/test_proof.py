@@ -1,6 +1,5 @@
 """A certificate holds for what is complete, and does not for what is not."""
 
-from dataclasses import replace
 from fractions import Fraction
 from math import inf, pi, sqrt
 
@@ -74,7 +73,7 @@ def test_a_peak_said_lower_than_it_is_is_noticed(loop, which):
     true = found.peaks[which]
     for factor, holds in ((1.0, True), (1 - 1e-4, True), (1 + 1e-5, False), (1.5, False)):
         peaks = list(found.peaks)
-        peaks[which] = replace(true, least=true.least * factor)
+        peaks[which] = true._replace(least=true.least * factor)
         told = getattr(proved(loop, squares, look, found._replace(peaks=peaks), stable=ROUTH), name)
         if factor <= 1 or 0 < true.v < inf:  # at an end the least is a limit, not always there
             assert told.holds is holds
@@ -305,7 +304,7 @@ def test_how_a_peak_inside_is_proved_and_how_one_said_too_low_is_not():
         assert 0 < peak_.v < inf
         told = _least(squares, peak_)
         assert (told.holds, told.method) == (True, "Descartes")
-        told = _least(squares, replace(peak_, least=1.01 * peak_.least))
+        told = _least(squares, peak_._replace(least=1.01 * peak_.least))
         assert (told.holds, told.method) == (False, "halving")
     certificate = proved(loop, squares, look, found, stable=ROUTH)
     assert certificate.modulus_margin == _least(squares, found.peaks[0])
@@ -321,5 +320,5 @@ def test_a_peak_is_proved_whatever_its_size(quiet):
         least = float(mp.sqrt(mp.mpf(square.numerator) / square.denominator))
     there = Peak(v=float(q) ** 0.5, least=least, below=ON_NUM)
     assert _least(squares, there).holds
-    assert _least(squares, replace(there, least=least * (1 - 1e-6))).holds
-    assert not _least(squares, replace(there, least=least * (1 + 2e-9))).holds  # proved to 1e-9
+    assert _least(squares, there._replace(least=least * (1 - 1e-6))).holds
+    assert not _least(squares, there._replace(least=least * (1 + 2e-9))).holds  # proved to 1e-9

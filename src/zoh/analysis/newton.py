@@ -67,12 +67,10 @@ def stationary(p: Sequence[float], q: Sequence[float], x: float, low: float, hig
     >>> stationary([1.0, 0.0, 1.0], [0.0, 1.0, 0.0], 1.1, 0.5, 2.0)  # x + 1/x
     1.0
     """
-    first, second, *rest = zip(p, q, strict=True)
-    last = inf
+    last, rest = inf, list(zip(p[1:], q[1:], strict=True))
     for _ in range(100):
-        (p1, q1), (c, d) = first, second
-        p0, q0 = p1 * x + c, q1 * x + d
-        p2 = q2 = 0.0  # half the second derivatives
+        p0, q0 = p[0], q[0]
+        p1 = q1 = p2 = q2 = 0.0  # p2 and q2 are half the second derivatives
         for c, d in rest:
             p2, q2 = p2 * x + p1, q2 * x + q1
             p1, q1 = p1 * x + p0, q1 * x + q0

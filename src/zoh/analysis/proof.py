@@ -7,7 +7,7 @@ leaves no polynomial, ``discs`` proves the same between the points of a grid.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import frexp, inf, ldexp
 from typing import NamedTuple
 
@@ -36,8 +36,7 @@ _BITS = 41  # of the square of a peak: its last one is less than a thousandth of
 Look = Sparse | Close | Isolated
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Peak:
+class Peak(NamedTuple):
     """The least |D + N|/|below|, and where it is in v."""
 
     v: float

@@ -29,11 +29,11 @@ _LOST = 1e-9  # of the values beside it: one so small has no sign in floats, a r
 _STEPS = 3  # of the secant, each with 7 digits more
 _UNDER = (ON_DEN, ON_NUM, ON_OPPOSITE)  # the first rows; those after them:
 _CLOSED, _GAIN, _TURN, _DROP = range(3, 7)
-_FINITE = 1000.0  # octaves of a power, 1024 being beyond floats; no coefficient is above 4
+_FINITE = 500  # octaves of the highest power: half of a float's, more than coefficients need
 _NOTHING = 1e-300  # instead of 0, or of less by rounding
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(slots=True, kw_only=True)
 class Sparse:
     """The polynomials of ``Squares`` in q/unit, as floats, and what they are on a grid.
 

@@ -29,7 +29,7 @@ ON_NUM: Below = (0.0, 1.0)
 ON_OPPOSITE: Below = (1.0, -1.0)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(slots=True, kw_only=True)
 class Squares:
     """The polynomials of a loop in q = v^2, all of them times one power of two.
 
