@@ -97,7 +97,7 @@ def missed(
         return ["the closed loop is not proved to be stable"]
     if not margins.stable:
         return ["the closed loop is unstable"]
-    if asked is NOTHING_ASKED:
+    if asked is NOTHING_ASKED or asked == NOTHING_ASKED:  # nearly always that very one
         return []
     found = of_margins(asked, margins)
     if step is not None:
