@@ -170,8 +170,8 @@ def _above_both_ways(a: Whole, near: float) -> bool:
 def _positive_beyond_one(a: Whole) -> bool:
     """Return whether a(1 + t) > 0 for t >= 0 is plain: c0 + c1 t + c2 t^2 > 0, no other ci < 0.
 
-    Divided by t again and again, the remainders are the ci. Of a quotient without a coefficient
-    below 0 none of them is.
+    Divided by x - 1 again and again, the remainders are the ci; once a quotient has no coefficient
+    below 0, no later one has.
     """
     *a, c0 = accumulate(a)
     if c0 <= 0 or not a:

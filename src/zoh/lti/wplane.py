@@ -110,11 +110,10 @@ def w_to_z(a: Sequence[int], dt: float) -> Ratio:
     """
     n = len(a) - 1
     top, bottom = dt.as_integer_ratio()
-    octaves = bottom.bit_length()  # of twice the bottom, a power of two
-    unit, up, in_p = 1, octaves * n, []
-    for c in a:
-        in_p.append(c * unit << up)
-        unit, up = unit * top, up - octaves
+    octaves, unit, in_p = bottom.bit_length(), 1, []  # of twice the bottom, a power of two
+    for k, c in enumerate(a):
+        in_p.append(c * unit << octaves * (n - k))
+        unit *= top
     return [sum(map(mul, column, in_p)) for column in _columns(n)[1]], top**n
 
 
