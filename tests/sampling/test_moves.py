@@ -160,7 +160,7 @@ def test_the_bits_to_begin_with_decide_nothing(bits):
 
 def test_a_pole_far_below_the_fastest_moves_the_state_by_all_its_digits():
     # s^2 + 100 s + 2^-200: poles near -100 and -2^-200/100, so x_0 falls by 6e-63 of itself
-    moves = replace(Moves.of(Plant(num=[1], den=[1, 100, 2.0**-200]), 1.0), bits=70)
+    moves = replace(Moves.of(Plant(num=[1], den=[1, 100, 2.0**-200]), 1.0), held=70)
     with mp.workdps(200):
         a = -50 - mp.sqrt(2500 - mpf(2) ** -200)
         b = mpf(2) ** -200 / a
@@ -210,7 +210,7 @@ def test_no_more_bits_are_taken_than_are_missing(monkeypatch, gain, den, most):
         asked.clear()
         look()
         assert asked == sorted(asked)
-        assert asked[-1] < most
+        assert asked[-1] < most or asked == [moves.held]  # the hold has taken as many
         assert len(asked) <= 2  # the first says how many are missing
 
 

@@ -14,7 +14,7 @@ whole numbers do (see ``moves``).
 from dataclasses import dataclass
 from decimal import Decimal
 from itertools import chain
-from math import isinf
+from math import isinf, log
 
 import numpy as np
 import numpy.typing as npt
@@ -115,14 +115,20 @@ class Held:
         if self.size * length <= _SPAN:
             return [(0.0, length)]
         poles = self.plant.poles() * self.dt
-        poles = poles[np.abs(poles) > 0]
-        sizes, t = np.abs(poles), 0.0
-        series = (_MOST_TERMS + len(self.low)) * np.log(np.maximum(1.0, sizes * length))
+        terms = _MOST_TERMS + len(self.low)
+        modes = [
+            (-rate, size, terms * log(max(1.0, size * length)))
+            for rate, size in zip(poles.real.tolist(), np.abs(poles).tolist(), strict=True)
+            if size > 0
+        ]
         out: list[tuple[float, float]] = []
+        t = 0.0
         while t < length * (1 - 1e-12):
-            over = -poles.real * t - _DEAD
-            reach = np.where(over > series, length, np.maximum(_SPAN, over) / sizes)
-            span = min(float(reach.min(initial=np.inf)), length - t)
+            span = length - t
+            for decay, size, series in modes:
+                over = decay * t - _DEAD
+                if over <= series:
+                    span = min(span, max(_SPAN, over) / size)
             if len(out) == _MOST_STRETCHES:
                 return []
             out.append((t, span))

@@ -48,6 +48,12 @@ def _terms(bits: int, small: int) -> int:
     return k
 
 
+@lru_cache(maxsize=8)
+def grown(ring: "FixedRing", t: Ratio, halvings: int, scale: int) -> tuple[list[int], int]:
+    """Return ``ring.growth``; kept, for the hold and the motion between its samples ask for it."""
+    return ring.growth(t, halvings, scale)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FixedRing:
     """The polynomials in sigma modulo a monic one of degree n.
@@ -65,8 +71,7 @@ class FixedRing:
         """Return sigma a."""
         if not a:
             return []
-        top, bits = a[-1], self.bits
-        shifted = (0, *a[:-1])
+        top, bits, shifted = a[-1], self.bits, (0, *a)
         return [shifted[i] - (top * m >> bits) for i, m in enumerate(self.modulus)]
 
     def norm(self, a: Element) -> int:
@@ -109,7 +114,7 @@ class FixedRing:
         for m in range(2, count + 1):
             last = (last * x >> bits) // m
             series.append(last)
-        modulus = tuple(enumerate(self.modulus, -n))
+        modulus = [(i, c) for i, c in enumerate(self.modulus, -n) if c]
         for k in range(count - 1, n - 1, -1):
             last = series.pop()
             for i, c in modulus:

@@ -21,7 +21,7 @@ import numpy.typing as npt
 
 from zoh.errors import SpecError
 from zoh.lti.plant import Plant
-from zoh.sampling.fixed import Element, FixedRing, Ratio, fixed, log2_above
+from zoh.sampling.fixed import Element, FixedRing, Ratio, fixed, grown, log2_above
 from zoh.sampling.response import Scaled
 
 Array = npt.NDArray[np.float64]
@@ -40,36 +40,42 @@ class Moves:
     """A plant whose input is held, time in units of T = 2^-rate s within and of dt outside.
 
     ratio, exponent  ratio 2^exponent is dt/T, ratio in [1/2, 1)
-    bits             to begin with
+    bits, held       to begin with: what mostly is enough, and what the hold has begun with
     """
 
     scaled: Scaled
     ratio: float
     exponent: int
     bits: int
+    held: int
 
     @classmethod
     def of(cls, plant: Plant, dt: float) -> Self:
         """Return the plant sampled every dt s; raise SpecError where a mode is too fast for it."""
         scaled, (ratio, exponent) = Scaled.of(*plant.exact, plant.sensor, dt), frexp(dt)
-        bits, halvings = scaled.first_bits(), scaled.halvings()
-        if 0 < halvings <= _SHORT:
-            bits = min(bits, _FIRST + 8 * len(scaled.den) + halvings * (halvings + 6) // 2)
-        return cls(scaled=scaled, ratio=ratio, exponent=exponent + scaled.rate, bits=bits)
+        held, halvings = scaled.first_bits(), scaled.halvings()
+        mostly = _FIRST + 8 * len(scaled.den) + halvings * (halvings + 6) // 2
+        return cls(
+            scaled=scaled, ratio=ratio, exponent=exponent + scaled.rate,
+            bits=min(held, mostly) if 0 < halvings <= _SHORT else held, held=held,
+        )  # fmt: skip
 
     def moved(self, t: float | Decimal) -> Array:
         """Return Phi(t) - I beside Gamma(t), shape (n, n + 1), t in samples."""
-        n, e, bits = len(self.scaled.den) - 1, self.exponent, self.bits
+        n, e = len(self.scaled.den) - 1, self.exponent
+        bits = self.held if t == 1 else self.bits  # over a whole sample the hold has been
         derivative, column = np.arange(n)[:, None], np.arange(n + 1)
+        powers = derivative - column
         # sigma^j P has no power below j, and den none below its roots at 0
-        by_structure = (column <= derivative) & (column < n - self.scaled.moving)
+        by_structure = (powers >= 0) & (column < n - self.scaled.moving)
         while True:
-            rows, errors = self._rows(t, bits, e * (derivative - column), seen=False)
+            rows, errors = self._rows(t, bits, e * powers, seen=False)
+            errors[by_structure] = 0.0
             sizes = np.abs(rows)
             allowed = np.maximum(_SURE * sizes, _NOTHING * sizes.max(axis=1, keepdims=True))
-            missing = _missing(np.where(by_structure, 0.0, errors), allowed)
+            missing = _missing(errors, allowed)
             if not missing or bits > _MOST:
-                return rows * self.ratio ** (derivative - column)
+                return rows * self.ratio**powers
             bits += missing
 
     def series(self, t: float, span: float, terms: int) -> Array:
@@ -104,7 +110,7 @@ class Moves:
         plant = self.scaled
         den = [fixed(c, bits - plant.rate * i) for i, c in enumerate(plant.den)]
         ring = FixedRing(modulus=tuple(den[:0:-1]), bits=bits)
-        element, error = ring.growth(*self._time(t), 0)
+        element, error = grown(ring, *self._time(t), 0)
         ahead, n, count = 0, len(element), len(units)
         if seen:
             c = self._output(den, bits)
@@ -113,15 +119,16 @@ class Moves:
             element = [a + b for a, b in zip(moved, (*c[1:], 0), strict=True)]
             ahead = c[0]
         error += (count + 1) * n * (2 + ring.norm(element) + (abs(ahead) >> bits))
-        rows = []
-        for exponents in (units - bits).tolist():
+        wholes: list[int] = []
+        for _ in range(count):
             last = element[-1]
             element = ring.times_sigma(element)
             element[0] += ahead
             ahead = 0
-            rows.append(_scaled((*element, last), exponents, plant.dt))
-        errors = np.ldexp(1.0, np.minimum(units + (error.bit_length() - bits), _LARGE))
-        return np.array(rows), errors
+            wholes += element
+            wholes.append(last)
+        rows = _scaled(wholes, (units - bits).ravel().tolist(), plant.dt).reshape(count, -1)
+        return rows, np.ldexp(1.0, np.minimum(units + (error.bit_length() - bits), _LARGE))
 
     def _time(self, t: float | Decimal) -> tuple[Ratio, int]:
         """Return t samples in units of T, and how often that must be halved to be 1/2 at most."""
@@ -138,12 +145,12 @@ class Moves:
         return [a - (num[0] * b >> bits) for a, b in zip(num[:0:-1], den[:0:-1], strict=True)]
 
 
-def _scaled(a: Element, exponents: list[int], dt: float) -> list[float]:
+def _scaled(a: Element, exponents: list[int], dt: float) -> Array:
     """Return a 2^exponent for each; raise SpecError where that is no float."""
     try:
-        return [
-            float(c << e) if e >= 0 else c / (1 << -e) for c, e in zip(a, exponents, strict=True)
-        ]
+        return np.array(
+            [c / (1 << -e) if e < 0 else float(c << e) for c, e in zip(a, exponents, strict=True)]
+        )
     except OverflowError:
         raise SpecError(
             "dt",
@@ -155,7 +162,9 @@ def _scaled(a: Element, exponents: list[int], dt: float) -> list[float]:
 
 def _missing(errors: Array, allowed: Array) -> int:
     """Return the bits that bring every error down to what is allowed."""
+    short = errors > allowed
+    if not short.any():
+        return 0
     with np.errstate(all="ignore"):
-        excess = np.where(errors > allowed, errors / allowed, 1.0)
-    worst = min(float(excess.max()), 2.0**_LARGE)
-    return 0 if worst <= 1 else frexp(worst)[1] + 1
+        worst = float((errors / allowed)[short].max())
+    return frexp(min(worst, 2.0**_LARGE))[1] + 1

@@ -10,7 +10,7 @@ from zoh.lti import poly
 from zoh.lti.digits import Exact
 from zoh.sampling import delta
 from zoh.sampling.delta import InDelta
-from zoh.sampling.fixed import FixedRing, Ratio, fixed, log2_above
+from zoh.sampling.fixed import FixedRing, Ratio, fixed, grown, log2_above
 
 _MOST_HALVINGS = 60  # of the exponential's argument: a mode 1e17 times faster than dt
 _LONG = 6  # halvings: a dt of more than 32 of the fastest mode's time constants
@@ -180,7 +180,7 @@ class FixedResponse:
         start, slopes, error = self.start, self.slopes, self.error
         if lead[0]:
             start, slopes, error = self._at(*ring.growth(plant.in_units(lead), halvings, 0))
-        step = ring.growth(plant.in_units(plant.dt.as_integer_ratio()), halvings, scale)
+        step = grown(ring, plant.in_units(plant.dt.as_integer_ratio()), halvings, scale)
         powers, size, power_error = ring.powers(*step)
         differences = [start, *(sum(map(mul, slopes, p)) >> bits for p in powers)]
         sums = [sum(map(mul, self.sums, p)) >> bits for p in powers[: plant.moving]]
