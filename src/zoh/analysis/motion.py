@@ -220,6 +220,9 @@ def _whole(s: Array) -> Any:
 
 def _products(rows: Array, s: Array, out: Array) -> None:
     """Write rows s, as many at a time as BLAS takes on one thread: two of them mostly wait."""
+    if len(rows) * s.size <= _ALONE:  # nearly always
+        rows.dot(s, out=out)
+        return
     most = max(1, _ALONE // s.size)
     for first in range(0, len(rows), most):
         part = slice(first, first + most)

@@ -33,12 +33,7 @@ def realised(system: Sampled) -> tuple[list[float], list[float], float]:
     >>> realised(Sampled(num=[0.5], den=[1, -0.5], dt=1.0))
     ([0.5], [0.5], 0.0)
     """
-    num, den = _wholes(system)
-    first, lead = num[0], den[0]
-    # a quotient of whole numbers is rounded once
-    a = [x / lead for x in den[1:]]
-    c = [(x * lead - first * y) / (lead * lead) for x, y in zip(num[1:], den[1:], strict=True)]
-    return a, c, first / lead
+    return _sums(*_wholes(system))
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,10 +55,11 @@ class Chain:
     @classmethod
     def of(cls, system: Sampled) -> "Chain":
         """Return ``realised`` as a chain, or as a register where that keeps more digits."""
-        return cls._of_far(system, *_wholes(system)) or cls(*realised(system))
+        wholes = _wholes(system)
+        return cls._of_far(*wholes) or cls(*_sums(*wholes))
 
     @classmethod
-    def _of_far(cls, system: Sampled, num: Sequence[int], den: Sequence[int]) -> "Chain | None":
+    def _of_far(cls, num: Sequence[int], den: Sequence[int]) -> "Chain | None":
         """Return the better chain of a system with many poles far from z = 1, None of another.
 
         num, den  in delta
@@ -77,7 +73,7 @@ class Chain:
         (first, *nums), (_, *dens) = _in_z(num), _in_z(den)
         a = [x / lead for x in dens]
         if _spoilt(a) > size * size:
-            return cls(*realised(system), swings=True)
+            return cls(*_sums(num, den), swings=True)
         c = [(x * lead - first * y) / (lead * lead) for x, y in zip(nums, dens, strict=True)]
         return cls(a, c, first / lead, registers=True, swings=True)
 
@@ -92,12 +88,12 @@ class Chain:
         Chain(a=[1.0], c=[1000.0], d=1.0, steps=True, registers=False, swings=False)
         """
         num, den = _wholes(system)
-        if (far := cls._of_far(system, num, den)) is not None:
+        if (far := cls._of_far(num, den)) is not None:
             return far
         (first, *nums), (lead, *dens) = num, den
         second, fast = (nums[0], dens[0]) if dens else (0, 0)
         if abs(second) * lead * lead >= fast * fast * abs(first):  # the step loses as many
-            return cls.of(system)
+            return cls(*_sums(num, den))
         a = [x / lead for x in dens]
         c = [(x * fast - second * y) / (lead * fast) for x, y in zip(nums, dens, strict=True)]
         c[0] = (first * fast - second * lead) / (lead * fast)
@@ -110,7 +106,8 @@ class Chain:
         """
         for i in range(first + 1, first + len(self.a)):
             delta[i, i - 1] = 1.0
-            delta[i, i] = -1.0 if self.registers else 0.0
+            if self.registers:
+                delta[i, i] = -1.0
         if not self.steps:
             row = [*enters]
             for i, part in enumerate(self.a, first):
@@ -127,6 +124,15 @@ class Chain:
             delta[first + 1] = [part / fast for part in row]
         delta[first] = np.dot(enters, delta) - np.dot(others, delta[later])
         delta[first, first] -= fast
+
+
+def _sums(num: Sequence[int], den: Sequence[int]) -> tuple[list[float], list[float], float]:
+    """Return (a, c, d) of a fraction in delta as a chain of sums."""
+    first, lead = num[0], den[0]
+    # a quotient of whole numbers is rounded once
+    a = [x / lead for x in den[1:]]
+    c = [(x * lead - first * y) / (lead * lead) for x, y in zip(num[1:], den[1:], strict=True)]
+    return a, c, first / lead
 
 
 def _wholes(system: Sampled) -> tuple[list[int], list[int]]:

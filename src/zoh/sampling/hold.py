@@ -69,7 +69,7 @@ def sample(
     >>> sample(Plant(num=[1], den=[1, 0, 0]), dt=1.0, compute_delay=0.5)
     Sampled(num=(0.125, 0.75, 0.125), den=(1.0, -2.0, 1.0, 0.0), dt=1.0)
     """
-    if not isinstance(plant, Plant | FrequencyResponse):
+    if not isinstance(plant, Plant) and not isinstance(plant, FrequencyResponse):
         raise SpecError("plant", "must be a zoh.Plant", plant, "sample a continuous plant")
     dt = sample_time(dt)
     compute_delay = checks.not_negative("compute_delay", compute_delay, "give seconds, 0 or more")

@@ -44,10 +44,11 @@ class Scaled:
     @classmethod
     def of(cls, num: Exact, den: Exact, sensor: float, dt: float) -> "Scaled":
         """Return sensor num/den in these units."""
-        below, above = den[0].as_integer_ratio()
+        ratios = [c.as_integer_ratio() for c in den]
+        below, above = ratios[0]
         if below < 0:
             below, above = -below, -above
-        bottom = [(a * above, b * below) for a, b in [c.as_integer_ratio() for c in den]]
+        bottom = [(a * above, b * below) for a, b in ratios]
         factor, divisor = sensor.as_integer_ratio()
         above, below, late = above * factor, below * divisor, len(den) - len(num)
         top = [(a * above, b * below) for a, b in [c.as_integer_ratio() for c in num]]
@@ -176,7 +177,8 @@ class FixedResponse:
         the trace of sigma P delta^(i-1) is the sum of the i-th powers of the poles.
         """
         plant, ring, bits = self.plant, self.ring, self.ring.bits
-        halvings, scale = max(plant.halvings(), 0), max(1 - plant.halvings(), 0)
+        halvings = plant.halvings()
+        halvings, scale = max(halvings, 0), max(1 - halvings, 0)
         start, slopes, error = self.start, self.slopes, self.error
         if lead[0]:
             start, slopes, error = self._at(*ring.growth(plant.in_units(lead), halvings, 0))
