@@ -19,11 +19,10 @@ from zoh.analysis.loop import Array
 from zoh.analysis.motion import Motion, Stretch
 from zoh.analysis.realised import Chain
 from zoh.errors import SpecError
-from zoh.lti import digits
 from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.systems import Plant, Sampled
 from zoh.sampling.between import Held, Series
-from zoh.sampling.hold import MAX_DELAY, whole_samples
+from zoh.sampling.hold import KEPT, MAX_DELAY, whole_samples
 
 Excitation = Literal["step", "impulse", "ramp", "disturbance"]
 EXCITATIONS: tuple[Excitation, ...] = ("step", "impulse", "ramp", "disturbance")
@@ -231,13 +230,11 @@ def _between(held: Held, before: Row, after: Row, lead: Decimal) -> tuple[list[S
     The plant's input is ``before`` until 1 - lead, then ``after``.
     """
     n = len(held.c)
-    at = np.eye(n + 1, len(before))  # state and input as rows on Z
-    at[n] = before
+    at = np.array([*[_unit(len(before), i) for i in range(n)], before])  # state, input on Z
     if not lead:
         weights, series = held.over(1.0)
         return _stretches(series, at, 0.0), weights.dot(at)
-    with digits.precision(digits.KEPT):
-        switch = 1 - lead
+    switch = KEPT.subtract(1, lead)
     weights, series = held.over(switch)
     moved, first = weights.dot(at), _stretches(series, at, 0.0)
     at[:n] += moved

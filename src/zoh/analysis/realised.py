@@ -139,7 +139,7 @@ def _wholes(system: Sampled) -> tuple[list[int], list[int]]:
     """Return numerator and denominator in delta, descending, of one length, in whole numbers."""
     *wholes, _ = system.whole_w  # what they have in common cancels
     half = (system.dt / 2).as_integer_ratio()
-    num, den = (_in_delta(a, half) for a in wholes)
+    num, den = _in_delta(wholes, half)
     for i in range(len(den) - len(system.num)):
         num[i] = 0  # what z says is nothing is not the rounding of w
     return num, den
@@ -180,14 +180,16 @@ def _turned_round(a: Sequence[int]) -> list[int]:
     return [-c if (n - i) % 2 else c for i, c in enumerate(a)]
 
 
-def _in_delta(a_w: Sequence[int], half: tuple[int, int]) -> list[int]:
-    """Return h^n (2 + delta)^n a(w) in delta, descending, w = delta/(h (2 + delta)), h = dt/2.
+def _in_delta(parts: Sequence[Sequence[int]], half: tuple[int, int]) -> list[list[int]]:
+    """Return h^n (2 + delta)^n a(w) of each a in delta, w = delta/(h (2 + delta)), h = dt/2.
 
-    Times the denominator of h to the n, so that all is whole and nothing is rounded.
+    They have one length. Times the denominator of h to the n, so that all is whole and nothing is
+    rounded.
     """
-    n, (p, q) = len(a_w) - 1, half
-    scaled = [c * p**j * q ** (n - j) for j, c in enumerate(a_w)]
-    return [sum(map(mul, row, scaled)) for row in _weights(n)]
+    n, (p, q) = len(parts[0]) - 1, half
+    units = [p**j * q ** (n - j) for j in range(n + 1)]
+    scaled = [list(map(mul, a, units)) for a in parts]
+    return [[sum(map(mul, row, a)) for row in _weights(n)] for a in scaled]
 
 
 @lru_cache(maxsize=64)

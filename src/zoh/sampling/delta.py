@@ -93,9 +93,12 @@ def in_p(n: int, scale: int) -> Table:
 
 
 @lru_cache(maxsize=1024)
-def _sizes(table: Table, first: int, last: int) -> tuple[int, ...]:
-    """Return what one unit of error in each of the numbers first ... last makes of each sum."""
-    return tuple(sum(map(abs, row[first : last + 1])) for row in table)
+def _in_both(n: int, scale: int, first: int, last: int) -> list[tuple[Table, list[int]]]:
+    """Return ``in_z`` and ``in_p``, and what one unit of error in each of first ... last makes."""
+    return [
+        (table, [sum(map(abs, row[first : last + 1])) for row in table])
+        for table in (in_z(n, scale), in_p(n, scale))
+    ]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -120,16 +123,14 @@ class InDelta:
 
     def forms(self) -> "Forms":
         """Return the same in z and in p."""
-        n = len(self.den) - 1
-        tables = in_z(n, self.scale), in_p(n, self.scale)
-        found, errors = [], []
+        n, found, errors = len(self.den) - 1, [], []
         for values, error, first, last in (
             (self.num, self.num_error, self.first, self.last),
             (self.den, self.den_error, 0, n - self.at_one),
         ):
-            for table in tables:
+            for table, sizes in _in_both(n, self.scale, first, last):
                 found.append([sum(map(mul, row, values)) for row in table])
-                errors.append([error * size for size in _sizes(table, first, last)])
+                errors.append([error * size for size in sizes])
         return Forms(values=found, errors=errors, bits=self.bits + self.scale * n, gain=self.gain)
 
 

@@ -19,7 +19,7 @@ by the step response, systems with time delay); E. I. Jury, Theory and Applicati
 z-Transform Method (modified z-transform).
 """
 
-from decimal import Decimal
+from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal
 from functools import lru_cache, partial
 from math import ceil, ulp
 from typing import overload
@@ -44,6 +44,7 @@ _NOTHING = 256  # bits beyond all that was lost: no true coefficient is anywhere
 _FINE = 256  # bits of a coefficient in w where a mode has next to no damping
 _NOW: Ratio = (0, 1)
 _ONE = Decimal(1)
+KEPT = Context(prec=digits.KEPT, Emax=MAX_EMAX, Emin=MIN_EMIN)  # of a delay's fraction
 
 
 @overload
@@ -167,8 +168,8 @@ def whole_samples(dead_time: float, compute_delay: float, dt: float) -> tuple[in
     m, whole = _samples(dead_time, compute_delay, dt)
     if whole:
         return m, Decimal(0)
-    with digits.precision(digits.KEPT):
-        return m, m - (Decimal(dead_time) + Decimal(compute_delay)) / Decimal(dt)
+    delay = KEPT.add(Decimal(dead_time), Decimal(compute_delay))
+    return m, KEPT.subtract(m, KEPT.divide(delay, Decimal(dt)))
 
 
 def _samples(dead_time: float, compute_delay: float, dt: float) -> tuple[int, bool]:
@@ -182,8 +183,9 @@ def _samples(dead_time: float, compute_delay: float, dt: float) -> tuple[int, bo
             total,
             "sample more slowly",
         )
-    if abs(ratio - round(ratio)) <= 8 * ulp(ratio):  # three roundings, doubled and then some
-        return round(ratio), True
+    nearest = round(ratio)
+    if abs(ratio - nearest) <= 8 * ulp(ratio):  # three roundings, doubled and then some
+        return nearest, True
     return ceil(ratio), False
 
 

@@ -226,4 +226,7 @@ def _dot_error(largest: int, error: int, size: int, element_error: int, bits: in
 
 def _at_origin(a: Sequence[Ratio]) -> int:
     """Return how many roots of this polynomial are at 0."""
-    return next(i for i, c in enumerate(reversed(a)) if c[0])
+    k = 0
+    while not a[-1 - k][0]:
+        k += 1
+    return k
