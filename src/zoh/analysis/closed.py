@@ -59,8 +59,9 @@ def closed_loop(
     delta, start = np.zeros((at.size, at.size)), np.zeros(at.size)
     delta[: at.n] = moved
     if at.kept:
-        queue = slice(at.n, at.first)
-        delta[queue, queue] = np.eye(at.kept, k=-1) - np.eye(at.kept)
+        delta[at.n, at.n] = -1.0
+        for i in range(at.n + 1, at.first):
+            delta[i, i - 1], delta[i, i] = 1.0, -1.0
         delta[at.n] += u
     start[at.one] = 1.0
     if by == "ramp":

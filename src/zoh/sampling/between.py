@@ -98,11 +98,11 @@ class Held:
 
     def _series(self, row: list[float], t: float) -> list[list[float]]:
         """Return t^j/j! times the j-th derivatives of ``row`` x, on the state and on the input."""
-        low, row = (*self.low, -1.0), [*row, 0.0]
+        low, row = list(enumerate((*self.low, -1.0))), [*row, 0.0]
         rows = [row]
         for j in range(1, self.terms(t)):
-            step, top, shifted = t / j, row[-2], (0.0, *row[:-2], 0.0)
-            row = [(shifted[i] - top * a) * step for i, a in enumerate(low)]
+            step, top, shifted = t / j, row[-2], [0.0, *row[:-2], 0.0]
+            row = [(shifted[i] - top * a) * step for i, a in low]
             rows.append(row)
         return rows
 

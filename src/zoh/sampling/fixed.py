@@ -71,7 +71,7 @@ class FixedRing:
         """Return sigma a."""
         if not a:
             return []
-        top, bits, shifted = a[-1], self.bits, (0, *a)
+        top, bits, shifted = a[-1], self.bits, [0, *a]
         return [shifted[i] - (top * m >> bits) for i, m in enumerate(self.modulus)]
 
     def norm(self, a: Element) -> int:
