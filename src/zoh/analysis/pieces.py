@@ -69,8 +69,6 @@ class Piece:
         >>> list(Piece.of([0.0, 0.0, 4.0]).crossings(1.0))
         [0.5]
         """
-        if min(self.b) >= level or max(self.b) < level:
-            return
         for low, high, ends in _brackets([c - level for c in self.b], 0.0, 1.0):
             yield self._root(level, low, high, ends)
 
