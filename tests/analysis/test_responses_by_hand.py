@@ -5,6 +5,7 @@
 
 from math import exp, inf, sqrt
 
+import numpy as np
 import pytest
 
 import zoh
@@ -200,14 +201,12 @@ def test_an_unstable_loop_is_refused_in_words(ask):
     assert zoh.noise_gains(INTEGRATOR, HALF) == pytest.approx((sqrt(1 / 3), sqrt(1 / 3)), rel=1e-13)
 
 
-def test_the_sum_of_squares_is_of_the_impulse_alone():
+def test_the_sum_of_squares_of_a_state_and_of_what_drives_it():
     # Z = (x, r, 1), x(k+1) = x/2 + r/2 here: sum of x^2 is (1/4)/(1 - 1/4), of r^2 1, of x r 0
     motion = closed_loop(INTEGRATOR, HALF, by="impulse")
-    squares = responses._sum_of_squares(motion)
-    assert squares[0, 0] == pytest.approx(1 / 3, rel=1e-14)
-    assert squares[1, 1] == 1.0
-    assert squares[0, 1] == squares[1, 0] == 0.0
-    assert not squares[2].any()
+    rows = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]])
+    squares = motion.powers.sum_of_squares(np.array([0.0, 1.0, 0.0]), rows)
+    assert squares == pytest.approx([1 / 3, 1.0, 4 / 3], rel=1e-14)
 
 
 def test_a_late_loop_whose_effort_grows_is_waited_for_all_the_same():

@@ -67,7 +67,7 @@ def trace_of(motion: Motion, t_end: float, per_sample: int = 20, reference: floa
     if count * per_sample > MOST_POINTS:
         bound = f"must give {MOST_POINTS} points or fewer, {MOST_POINTS // count} a sample here"
         raise SpecError("per_sample", bound, per_sample, "draw fewer points")
-    states = queue.run(motion, count) if motion.wait else motion.run(motion.start, count)
+    states = queue.run(motion, count) if motion.wait else motion.from_start(count)
     times, rows = _between(motion, per_sample)
     dense = (np.arange(count)[:, None] + times[None, :]) * motion.dt
     effort = motion.output * 0 if motion.effort is None else motion.effort

@@ -41,12 +41,11 @@ def load_iae(plant: Plant, controller: Sampled, compute_delay: float = 0.0) -> f
     count, keeps_sign = _samples(motion)
     if count > _MOST:
         return inf
-    state, signed, total = motion.start, 0.0, 0.0
-    for _ in range(ceil(count / _CHUNK)):
-        states = motion.run(state, _CHUNK + 1)
+    states, signed, total = motion.from_start(_CHUNK + 1), 0.0, 0.0
+    for i in range(ceil(count / _CHUNK)):
+        states = motion.run(states[:, -1], _CHUNK + 1) if i else states
         y = motion.output @ states[:, :-1]
         signed, total = signed + float(y.sum()), total + float(np.abs(y).sum())
-        state = states[:, -1]
     whole = controller.den_w[-2] / controller.num_w[-1]  # 1/ki
     to_come = abs(whole - signed * motion.dt) if keeps_sign else 0.0
     return total * motion.dt + to_come

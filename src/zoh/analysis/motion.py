@@ -10,32 +10,27 @@ carried in Z is a queue beside it (see ``queue``).
 """
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from math import atan2, ceil, hypot, inf, log, log1p
 from operator import itemgetter
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from zoh.analysis.loop import Array
-from zoh.errors import SpecError
+from zoh.analysis.powers import Powers
 
 Indices = npt.NDArray[np.int64]
 
 QUIET = 1e-10  # the slowest mode has fallen to this at the horizon: no peak after it has 9 digits
 _SLOWEST = 1e-14
-_BITS = 320  # of the powers of what swings: those of a float, and what they grow by, squared
-_EXPONENTS = 1023  # octaves above 1 that a float has
-_SWUNG_UP = 1e9  # of its size a state is made of: its square is all the roundings there are
-_PLAIN = 1e-3  # a decay per step that I + S holds to 13 digits: S by itself need not be kept
 _AT_ONCE = 1e6  # the decay of a mode at z = 0
 _GONE = 36.0  # exp(-36) of what it was is a rounding of it
 _TURN = 0.25  # rad that a mode turns at most from one sample shown to the next
 BAND = 0.02  # of its final value around that: in it a response has settled
 NEAR = 0.9  # of the band: what creeps on from there has settled
 STILL = 1e-4  # of the slowest mode is little enough to speak of rest
-_ALONE = 1 << 18  # multiplications that OpenBLAS does not share out among threads
 _FEW = 2000  # samples cost less to look at than to choose among
 _MOST = 1_000_000  # samples shown; a loop that needs more has thousands of swings
 
@@ -78,7 +73,7 @@ class Motion:
     output     shape (N,): y at the samples; effort likewise for u, None where there is no u
     stretches  the parts of a sample interval; none where nothing is known between the samples
     wait, fed  the effort is back in state ``fed`` ``wait`` samples later; 0 where Z has it all
-    swings     whether states may swing each other up: then powers are had in whole numbers
+    swings     whether states are known to swing each other up: powers are had in whole numbers
     """
 
     dt: float
@@ -91,66 +86,26 @@ class Motion:
     wait: int = 0
     fed: int = 0
     swings: bool = False
-    _powers: list[Array] = field(default_factory=list, repr=False)
-    _wholes: list[Any] = field(default_factory=list, repr=False)
+    powers: Powers = field(init=False, repr=False)
 
-    def power(self, i: int) -> Array:
-        """Return S with Z(k + 2^i) = Z(k) + S Z(k)."""
-        powers = self._powers
-        if not powers:
-            powers.append(self.delta)
-        while len(powers) <= i:
-            s = powers[-1]
-            powers.append(s + s + s.dot(s))
-        return powers[i]
-
-    def _swung(self, i: int) -> Array:
-        """Return (I + S)' of 2^i samples, rounded once: what floats square grows by its square.
-
-        Raises SpecError where that is beyond them.
-        """
-        if not self._wholes:
-            self._wholes.append(_whole(self.delta))
-        while len(self._wholes) <= i:
-            s = self._wholes[-1]
-            s = s + s + (s.dot(s) >> _BITS)
-            if max(x.bit_length() for x in s.flat) >= _BITS + _EXPONENTS:
-                raise self._swung_up()
-            self._wholes.append(s)
-        one = 1 << _BITS
-        rows = (self._wholes[i].T + one * np.eye(len(self.delta), dtype=object)).tolist()
-        return np.array([[x / one for x in row] for row in rows])
-
-    def _swing_by(self, states: Array) -> float:
-        """Return how many times its own size a state is made of on its way, at most.
-
-        A rounding of what it is made of is so many roundings of the state.
-        """
-        reach = np.abs(states).max(axis=1)
-        there = reach > 0
-        ways = [np.abs(self._swung(i))[np.ix_(there, there)] for i in range(len(self._wholes))]
-        return max([float((reach[there].dot(m) / reach[there]).max()) for m in ways], default=0.0)
+    def __post_init__(self) -> None:
+        whose = "system" if self.effort is None else "controller"
+        powers = Powers(delta=self.delta, own=self.own, whose=whose, wholly=self.swings)
+        object.__setattr__(self, "powers", powers)
 
     def run(self, first: Array, count: int, doublings: int = 0, slowest: float = 0.0) -> Array:
         """Return ``count`` columns, Z at every 2^doublings samples from ``first`` on.
 
         slowest  the decay per sample of the slowest mode, 0 where that is not known
         """
-        out = np.empty((count, len(first)))  # a row a sample: what is next to come is one block
-        out[0], done, whole = first, 1, None
-        while done < count:
-            after = min(2 * done, count)
-            known, block = out[: after - done], out[done:after]
-            if self.swings:
-                _products(known, self._swung(doublings), block)
-            elif slowest * (1 << doublings) < _PLAIN:
-                _products(known, self.power(doublings).T, block)
-                block += known
-            else:
-                whole = _one_and(self.power(doublings)) if whole is None else whole.dot(whole)
-                _products(known, whole, block)
-            done, doublings = after, doublings + 1
-        return out.T
+        return self.powers.run(first, count, doublings, slowest)
+
+    def from_start(self, count: int) -> Array:
+        """Return ``count`` columns, Z at every sample from the start on."""
+        states = self.run(self.start, count)
+        if self.powers.lost(states, count):
+            states = self.run(self.start, count)
+        return states
 
     def rates(self) -> list[tuple[float, float]]:
         """Return (-log |z|, |log z|) per sample of each own mode z, the fastest last."""
@@ -167,19 +122,12 @@ class Motion:
         outgrows floats: many poles close together, their coefficients in one fraction, swing each
         other up in the rounding.
         """
-        try:
-            with np.errstate(over="raise", invalid="raise"):
-                return self._followed(final)
-        except FloatingPointError:
-            raise self._swung_up() from None
-
-    def _swung_up(self) -> SpecError:
-        return SpecError(
-            "system" if self.effort is None else "controller",
-            "must have a response that can be followed in 64-bit floats",
-            f"{self.own} states that swing each other up",
-            "use fewer sections, or spread them wider",
-        )
+        with np.errstate(over="raise", invalid="raise"), suppress(FloatingPointError):
+            return self._followed(final)
+        if not self.powers.wholly:
+            self.powers.wholly = True
+            return self.track(final)
+        raise self.powers.swung_up()
 
     def _followed(self, final: float) -> Track:
         """Return the motion from its start until its slowest mode is gone."""
@@ -201,39 +149,12 @@ class Motion:
             zs.append(states[:, :-1])
             k, z, shown = k + stride * count, states[:, -1], shown + count
         states = np.concatenate(zs, axis=1)
-        if self.swings and not self._swing_by(states) < _SWUNG_UP:
-            raise FloatingPointError
+        if self.powers.lost(states, k):
+            return self._followed(final)
         return Track(
             k=np.concatenate(ks), states=states, horizon=k - stride,
             rests=slowest * k > -log(STILL),
         )  # fmt: skip
-
-
-def _whole(s: Array) -> Any:
-    """Return floats times 2^_BITS as whole numbers, to be multiplied without rounding."""
-    out = np.empty(s.shape, object)
-    for place, x in np.ndenumerate(s):
-        top, bottom = float(x).as_integer_ratio()
-        out[place] = (top << _BITS) // bottom
-    return out
-
-
-def _products(rows: Array, s: Array, out: Array) -> None:
-    """Write rows s, as many at a time as BLAS takes on one thread: two of them mostly wait."""
-    if len(rows) * s.size <= _ALONE:  # nearly always
-        rows.dot(s, out=out)
-        return
-    most = max(1, _ALONE // s.size)
-    for first in range(0, len(rows), most):
-        part = slice(first, first + most)
-        rows[part].dot(s, out=out[part])
-
-
-def _one_and(s: Array) -> Array:
-    """Return (I + S)', which takes a row from one sample to the next."""
-    whole = s.T.copy()
-    whole.flat[:: len(s) + 1] += 1.0
-    return whole
 
 
 def _rate(moved: complex) -> tuple[float, float]:

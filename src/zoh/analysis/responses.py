@@ -8,7 +8,7 @@ of the impulse response).
 """
 
 from dataclasses import dataclass, replace
-from math import inf, sqrt
+from math import inf
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from zoh.analysis import queue
 from zoh.analysis.closed import Excitation, check_plant, closed_loop
 from zoh.analysis.curves import Trace, trace_of
 from zoh.analysis.left import farthest
-from zoh.analysis.loop import Array, Loop
+from zoh.analysis.loop import Loop
 from zoh.analysis.motion import BAND, NEAR, Motion
 from zoh.analysis.stability import closed_loop_stable
 from zoh.analysis.waveform import Waveform
@@ -136,26 +136,11 @@ def noise_gains(
         rows = np.stack([motion.output, effort]) @ track.states
         output, effort_size = np.sqrt((rows * rows).sum(axis=1)).tolist()
         return output, effort_size
-    squares = _sum_of_squares(motion)
-    return (
-        sqrt(max(0.0, float(motion.output @ squares @ motion.output))),
-        sqrt(max(0.0, float(effort @ squares @ effort))),
-    )
-
-
-def _sum_of_squares(motion: Motion) -> Array:
-    """Return sum over k of Z(k) Z(k)', by doubling the number of terms."""
     start = motion.start.copy()
     start[-1] = 0.0  # the constant is no part of an impulse's answer
-    total, doublings = np.outer(start, start), 0
-    while True:
-        step = motion.power(doublings)
-        moved = total + step @ total
-        added = moved + moved @ step.T
-        # each state beside its own sum: a weak loop moves its plant by next to nothing
-        if (added.diagonal() <= 1e-17 * total.diagonal()).all() or doublings > 200:
-            return total
-        total, doublings = total + added, doublings + 1
+    squares = motion.powers.sum_of_squares(start, np.array([motion.output, effort]))
+    output, effort_size = np.sqrt(np.maximum(squares, 0.0)).tolist()
+    return output, effort_size
 
 
 def _error(motion: Motion) -> Motion:
