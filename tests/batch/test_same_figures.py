@@ -93,6 +93,39 @@ def test_a_plant_that_answers_at_once_is_not_covered():
     assert arrays.lacks(Job(plant=through, law="pi", asked=asked, dt=0.1, varying=("dt",)))
 
 
+def given(zeros, poles):
+    """Return a job with a controller of these zeros and poles."""
+    num, den = (np.atleast_1d(np.poly(roots)).real.tolist() for roots in (zeros, poles))
+    controller = zoh.Sampled(num=num, den=den, dt=0.1)
+    return Job(plant=PLANTS["arm"], law="given", controller=controller, dt=0.1, varying=("dt",))
+
+
+@pytest.mark.parametrize(
+    ("zeros", "poles", "falls"),
+    [
+        ([0.99], [0.2], False),  # by 1.25 % to z = 1
+        ([0.99, 0.99], [0.2, 0.2], False),  # 1.6e-4
+        ([0.999, 0.999], [0.2, 0.2], True),  # 1.6e-6
+        ([0.999, 0.999, 0.999], [0.2, 0.2, 1.0], True),  # far below the leads' corner it rises
+        ([np.exp(0.1j), np.exp(-0.1j)], [0.9, 0.9], False),  # a notch
+        ([-1.0], [0.2], False),  # a mean of two samples is 0 at Nyquist's frequency alone
+        ([0.5], [1.0], False),
+    ],
+)
+def test_a_row_of_leads_takes_back_most_of_what_it_gives(zeros, poles, falls):
+    assert bool(arrays.lacks(given(zeros, poles))) is falls
+
+
+def test_three_leads_on_four_lags_are_left_to_the_single_design():
+    # by the chains of the fast arithmetics the overshoot was off by 1e-7 of itself
+    lag, lead = np.poly([-0.04] * 4), np.poly([0.9999] * 3)
+    plant = zoh.Plant(num=[1.0], den=lag.tolist())
+    controller = zoh.Sampled(num=lead.tolist(), den=np.poly([0.6] * 3).tolist(), dt=0.02)
+    over = {"plant.gain": np.linspace(2e3, 5e3, 20).tolist()}
+    found = zoh.sweep(plant, "given", controller=controller, over=over)
+    assert "takes back most of its direct gain" in found.computed_by
+
+
 def test_most_loops_are_not_left_to_the_single_design():
     """What is left costs a thousand times as much."""
     left = 0

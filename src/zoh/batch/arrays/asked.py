@@ -10,9 +10,12 @@ from zoh.batch.arrays import laws
 from zoh.batch.arrays.rows import Array, Mask
 from zoh.batch.columns import Columns, coefficients, column
 from zoh.batch.job import Job
+from zoh.lti.systems import Sampled
 
 _ORDER = 6  # of the plant
 _GIVEN = 3  # of a controller that is given
+_OCTAVES = 30  # below Nyquist's frequency where the gain of a controller is looked at
+_TAKEN_BACK = 1e4  # times what is left: of the effort 12 digits are then left, of the rest 9
 _TAKES = frozenset({"wc", "pm_deg", "ki", "dc_gain", "filter_pole"})
 _DELAYS = 4  # whole samples: each is a power in the loop and a state in its motion
 _FASTEST = 1.2  # |s| dt of a plant's poles: beyond it two crests in one sample are usual; below
@@ -63,7 +66,11 @@ def lacks(job: Job) -> str:
         order = len(job.controller.den_w) - 1
         if job.controller.delay:
             return "a controller with a delay of its own"
-        return f"a controller of order {order}, above {_GIVEN}" if order > _GIVEN else ""
+        if order > _GIVEN:
+            return f"a controller of order {order}, above {_GIVEN}"
+        return (
+            "a controller that takes back most of its direct gain" if _falls(job.controller) else ""
+        )
     if job.law not in laws.LAWS:
         return f"the law {job.law}"
     asked = {*job.asked, *(key for key in job.varying if key in job.law_keys)}
@@ -71,6 +78,18 @@ def lacks(job: Job) -> str:
     if missing:
         return f"a {job.law} without {', '.join(sorted(missing))}"
     return ", ".join(sorted(more))
+
+
+def _falls(given: Sampled) -> bool:
+    """Return whether a controller's gain falls far below its direct one, as that of leads does.
+
+    Its effort is then a difference of sums that are so many times larger. A notch is no wider than
+    an octave, and is passed over.
+    """
+    size = np.abs(given.at(np.pi / given.dt / 2.0 ** np.arange(_OCTAVES)))
+    around = np.maximum(np.maximum(size[:-2], size[1:-1]), size[2:])
+    direct = given.num[0] / given.den[0] if len(given.num) == len(given.den) else 0.0
+    return bool(abs(direct) > _TAKEN_BACK * around.min())
 
 
 @np.errstate(all="ignore")  # here, too: a thread of its own has not its caller's
