@@ -150,6 +150,42 @@ def test_a_fast_matched_pole_is_found_in_z(zeros):
     assert got.den == pytest.approx(plant.den, rel=1e-15)
 
 
+@pytest.mark.parametrize(
+    ("poles", "dt"),
+    [
+        ([-1, -5, -5, -5], 2.0),
+        ([-1, -5, -5, -5], 5.0),
+        ([-1] * 5, 1.0),
+        ([-1] * 4, 1.5),
+        ([0, 0, -1, -2, -5], 2.0),
+        (range(-10, 0), 0.3),
+    ],
+)
+@pytest.mark.parametrize("zeros", [[], [-2.5]])
+def test_matched_zeros_at_minus_one_are_none_of_the_plant_however_fast_its_poles(poles, dt, zeros):
+    # fast poles keep their digits in z alone, where (z + 1)^k is rounded: no s^2 + (pi/dt)^2
+    plant = Plant.zpk(zeros=zeros, poles=poles, gain=1)
+    got = undiscretise(discretise(plant, dt, "matched"), "matched")
+    assert got.num == pytest.approx(plant.num, rel=1e-13)
+
+
+@pytest.mark.parametrize("method", LOGARITHMIC)
+def test_an_integrator_beside_poles_that_only_z_holds_comes_back_as_one(method):
+    # exp(-42) is in z alone, and there (z - 1)(z - exp(-2))... has its root beside 1 when rounded
+    plant = Plant.zpk(zeros=[], poles=[0, -1, -20, -21], gain=1)
+    got = undiscretise(discretise(plant, 2.0, method), method)
+    assert got.den[-1] == 0.0
+    assert got.num == pytest.approx(plant.num, rel=1e-13)
+    assert got.den == pytest.approx(plant.den, rel=1e-13)
+
+
+@pytest.mark.parametrize("method", ["zoh", "foh"])
+def test_a_zero_at_the_origin_beside_poles_that_only_z_holds_comes_back_as_one(method):
+    plant = Plant.zpk(zeros=[0], poles=[-2, -1, -20, -21], gain=1)
+    got = undiscretise(discretise(plant, 2.0, method), method)
+    assert got.num == pytest.approx((1, 0), rel=1e-13, abs=0)
+
+
 def test_a_slow_pole_that_z_has_lost_is_found_in_w():
     # 1 - 1e-17 is 1 in floats
     plant = Plant(num=[1], den=[1, 1e-10])

@@ -72,15 +72,35 @@ def _divided(ascending: Exact, slope: Decimal) -> Exact:
 
 
 def in_z(bare: Sampled) -> Form:
-    """Return the exact value of the z-form."""
+    """Return the exact value of the z-form, its roots at z = -1 and 1 as the w-form has them.
+
+    There they are p = infinity and 0, where w says exactly how many there are: rounding has
+    moved them, so their factors are divided out, lowest powers first, and what is left above is
+    rounding.
+    """
     num, den, n = digits.exact(bare.num), digits.exact(bare.den), len(bare.den) - 1
     with digits.precision(_exact_digits(num, den, bare.dt)):
         half = Decimal(bare.dt) / 2
+        num, den = (_with_ends(a, w) for a, w in ((num, bare.num_w), (den, bare.den_w)))
         num_w, den_w = (replaced(c, (half, _ONE), (-half, _ONE), n) for c in (num, den))
         top_w = replaced(num, (half, _ONE), (-half, _ONE), len(num) - 1)
     return Form(
         num_w=num_w, den_w=den_w, top_w=top_w, shaped_w=num_w, num_z=num, den_z=den, dt=bare.dt
     )
+
+
+def _with_ends(a: Exact, in_w: tuple[float, ...]) -> Exact:
+    """Return a(z) with as many roots at -1 and 1 as its form in w has at infinity and 0."""
+    ends = (_ONE, len(in_w) - len(trimmed(digits.exact(in_w)))), (-_ONE, trailing_zeros(in_w))
+    core = a[::-1]  # lowest powers first: fast poles lie in the smallest of them
+    for slope, times in ends:
+        for _ in range(times):
+            core = _divided(core, slope)
+    core = core[::-1]
+    for slope, times in ends:
+        for _ in range(times):
+            core = digits.times(core, (slope, _ONE))
+    return core
 
 
 def _exact_digits(num: Exact, den: Exact, dt: float) -> int:
