@@ -7,6 +7,7 @@ import numpy as np
 
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import glance, nearest_crossing
+from zoh.analysis.on_target import ELSEWHERE, UNSTABLE, surely_at
 from zoh.analysis.stability import closed_loop_stable
 from zoh.design import p as p_law
 from zoh.design import pid as pid_law
@@ -23,11 +24,11 @@ from zoh.request import (
     Progress,
     bounded_ms,
 )
-from zoh.solving import ELSEWHERE, UNSTABLE, elsewhere, solved
+from zoh.solving import solved
 from zoh.spec import Crossover
 
 _AS_WELL = {"largest_ki_ms": "least_iae_ms"}  # there is one where there is the other
-_APPROACHED_DEG = 1e-6  # an open interval's end is had this near to it
+_APPROACHED_DEG = 1e-6  # from an open interval's end: how near to it a margin is offered
 _STEP_DEG, _SEARCHED_STEP_DEG = 0.5, 5.0  # of the margins looked at; a search takes longer
 _NARROW_DEG = 25.0  # an interval of phases below which fewer degrees are stepped over
 _EDGE_DEG = 1e-7  # what is offered is had within ten times that
@@ -57,7 +58,7 @@ def certified(
         if not closed_loop_stable(loop):
             return UNSTABLE
         crossover, pm_deg = nearest_crossing(loop)
-        if elsewhere(crossover, pm_deg, at):
+        if not surely_at(crossover, pm_deg, at):
             return f"{ELSEWHERE}, {'early' if pm_deg < 0 else 'late'}"  # as its phase is
         return "" if most == inf or glance(loop).ms <= most else "its Ms is above the bound"
 
@@ -173,9 +174,10 @@ def best_margin(
 ) -> float | None:
     """Return the largest margin in deg that ``has`` says can be had, None if none.
 
-    The end of the phases (``end`` where the law has no such), where a margin just below it can be
-    had; else looked for from there down, ``step`` deg at a time, a narrow interval as closely as
-    one of 25 deg, the edge then halved to 1e-7 deg, and its good side returned.
+    One 1e-6 deg below the end of the phases (``end`` where the law has no such), where that and
+    half of it can be had; else looked for from there down, ``step`` deg at a time, a narrow
+    interval as closely as one of 25 deg, the edge then halved to 1e-7 deg, and its good side
+    returned.
     """
     span = 180.0
     if end is None:
@@ -186,7 +188,7 @@ def best_margin(
         return None
     low, high = refused.gives_deg or (0.0, 0.0)
     if has(end - _APPROACHED_DEG) and has(end - _APPROACHED_DEG / 2):
-        return end
+        return end - _APPROACHED_DEG
     if high - low < _APPROACHED_DEG:  # a P: its interval is one margin, but for rounding
         return end - (high - low) / 2 if has(end - (high - low) / 2) else None
 

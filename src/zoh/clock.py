@@ -18,6 +18,7 @@ from zoh import checks
 from zoh.analysis.asked import NOTHING_ASKED, OF_TIME, missed
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import measure_loop
+from zoh.analysis.on_target import not_as_asked
 from zoh.analysis.results import Margins, jsonable
 from zoh.analysis.word_length import word_length
 from zoh.design.sections import SecondOrder, in_series
@@ -26,7 +27,7 @@ from zoh.lti.systems import Plant, Sampled
 from zoh.pipeline import design
 from zoh.request import UNDER_MS, allowed, checked, is_closed
 from zoh.sampling.hold import sample
-from zoh.solving import by_gain_alone, not_as_asked, own_margin, solved
+from zoh.solving import by_gain_alone, own_margin, solved
 from zoh.spec import Crossover, Requirements
 from zoh.workbench import without_cancelled
 
@@ -229,7 +230,8 @@ class _Asked:
         controller = controller * fixed if fixed else controller
         m = measure_loop(Loop.of(controller, sampled))
         asked = spec or own_margin(behind, wc)
-        misses = [*missed(self.requirements, m, None), *not_as_asked(m, asked)]
+        off = not_as_asked(m, asked, lambda w: controller.at(w) * sampled.at(w))
+        misses = [*missed(self.requirements, m, None), *off]
         return (sampled, controller, m), "; ".join(misses) or None
 
 

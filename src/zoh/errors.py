@@ -6,6 +6,7 @@ line that names the argument, the bound, the value and a way out.
 
 import sys
 from collections.abc import Iterable
+from math import floor, log10
 from types import FrameType
 from typing import Any
 from warnings import warn
@@ -41,8 +42,8 @@ class Infeasible(ZohError):
     needed_gain    the gain it would have to give there, None where wc is not given
     gives_deg      the open interval of phases in degrees that it can give there with positive
                    gains, None where it gives none
-    best_pm_deg    the largest phase margin in degrees of a stable loop of this law that crosses
-                   over at this wc, attained or approached within 1e-6; None where there is none
+    best_pm_deg    a phase margin in degrees of a stable loop of this law that crosses over at
+                   this wc, the largest but for some 1e-6; None where there is none
     nearest_wc     the crossover in rad/s nearest to the requested one at which this law meets the
                    request, None where there is none
     laws_that_can  the names of the laws that meet the request as it stands
@@ -51,7 +52,8 @@ class Infeasible(ZohError):
     not counted where nothing was left open. Where something was, they are, and all that is open
     was searched: there is no better margin to name, nor a nearest crossover where wc was open.
 
-    A law's own ``solve`` knows nothing of stability: its ``best_pm_deg`` is the end of the phases.
+    A law's own ``solve`` knows nothing of stability: its ``best_pm_deg`` is the end of the phases,
+    which is approached as near as one likes and not attained.
     """
 
     def __init__(
@@ -88,12 +90,24 @@ class Infeasible(ZohError):
     def _advice(self) -> list[str]:
         advice = []
         if self.best_pm_deg is not None:
-            advice.append(f"the best margin it can give here is {self.best_pm_deg:.4g} deg")
+            advice.append(f"the best margin it can give here is {_below(self.best_pm_deg)} deg")
         if self.nearest_wc is not None:
-            advice.append(f"the nearest crossover where it can is {self.nearest_wc:.7g} rad/s")
+            short = f"{self.nearest_wc:.7g}"  # where those digits are all of it, as they mostly are
+            wc = short if float(short) == self.nearest_wc else repr(self.nearest_wc)
+            advice.append(f"the nearest crossover where it can is {wc} rad/s")
         if self.laws_that_can:
             advice.append(f"laws that can here: {', '.join(self.laws_that_can)}")
         return advice
+
+
+def _below(pm_deg: float) -> str:
+    """Return a margin in four digits, never more than it is but for rounding.
+
+    >>> _below(129.26423), _below(45 - 1e-6), _below(45.0), _below(8.04 * 3)
+    ('129.2', '44.99', '45', '24.12')
+    """
+    unit = 10.0 ** (floor(log10(pm_deg)) - 3)
+    return f"{floor(pm_deg / unit * (1 + 1e-12)) * unit:.4g}"
 
 
 class AccuracyWarning(UserWarning):

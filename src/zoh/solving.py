@@ -1,4 +1,4 @@
-"""A law solved by name, and whether a measured loop has what it was solved for."""
+"""A law solved by name."""
 
 from cmath import phase
 from collections.abc import Callable, Mapping
@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from math import degrees
 from typing import Protocol
 
-from zoh.analysis.results import Gains, Margins
-from zoh.analysis.tabled.margins import Seen
+from zoh.analysis.on_target import surely_on_target
+from zoh.analysis.results import Gains
 from zoh.design import first_order, leadlag
 from zoh.design import p as p_law
 from zoh.design import pi as pi_law
@@ -19,9 +19,6 @@ from zoh.request import NEGATIVE_GAINS, SPARE, UNDER_MS, UNSTABLE_CONTROLLERS
 from zoh.spare import Cost, Line, largest_ki, least_iae, some_ki
 from zoh.spec import Crossover
 
-_MARGIN_TOL_DEG = 1e-9  # the promise of this library; the closed forms reach some 1e-13
-_CROSSOVER_TOL = 1e-9  # relative
-UNSTABLE, ELSEWHERE = "the loop is unstable", "the loop crosses over elsewhere"
 _SIGNED = ("kp", "ki", "kd", "dc_gain")  # what changes its sign with the controller
 
 
@@ -137,7 +134,7 @@ def _pid(a: Asked) -> Law:
     for how in UNDER_MS:
         if how in a.parameters:
             line = Line.of(
-                a.plant, a.spec, a.parameters[how], pole, lambda m: not off_target(m, a.spec)
+                a.plant, a.spec, a.parameters[how], pole, lambda m: surely_on_target(m, a.spec)
             )
             if how == "largest_ki_ms":
                 return largest_ki(line)
@@ -190,49 +187,6 @@ def own_margin(plant: Response, wc: float) -> Crossover | None:
     """
     pm_deg = (degrees(phase(plant.at(wc))) + 180.0) % 360.0
     return Crossover(wc=wc, pm_deg=pm_deg) if 0 < pm_deg < 180 else None
-
-
-def off_target(m: Margins | Seen, spec: Crossover) -> bool:
-    """Return whether the margin nearest to zero is another one than was asked for."""
-    return elsewhere(m.crossover, m.phase_margin_deg, spec)
-
-
-def elsewhere(crossover: float | None, pm_deg: float, spec: Crossover) -> bool:
-    """Return whether a crossover and its margin are not those asked for."""
-    return (
-        crossover is None
-        or abs(pm_deg - spec.pm_deg) > _MARGIN_TOL_DEG
-        or abs(crossover / spec.wc - 1) > _CROSSOVER_TOL
-    )
-
-
-def not_as_asked(m: Margins, spec: Crossover | None) -> list[str]:
-    """Return what is not as the crossover was asked for; instability speaks for itself."""
-    if spec is None or not m.stable or not off_target(m, spec):
-        return []
-    wanted, is_ = _apart((spec.pm_deg, spec.wc), (m.phase_margin_deg, m.crossover))
-    measured = f"the phase margin is {is_}"
-    exact = [w for w, _ in m.gain_crossings if abs(w / spec.wc - 1) <= _CROSSOVER_TOL]
-    if exact:  # it does cross over where it should: somewhere else the margin is smaller
-        return [f"{measured}, another crossover of this loop, not {wanted}"]
-    return [f"{measured}, not {wanted}: the loop does not cross over there"]
-
-
-def _apart(wanted: tuple[float, float], found: tuple[float, float | None]) -> list[str]:
-    """Return two margins in words, in as many digits as tell them apart.
-
-    >>> _apart((40.0, 2.0), (40.0, 2.0000001))
-    ['40 deg at 2 rad/s', '40 deg at 2.0000001 rad/s']
-    """
-    said: list[str] = []
-    for digits in (6, 12, 17):
-        said = [
-            f"{pm:.{digits}g} deg at " + ("no frequency" if w is None else f"{w:.{digits}g} rad/s")
-            for pm, w in (wanted, found)
-        ]
-        if said[0] != said[1]:
-            break
-    return said
 
 
 def opposite(values: Mapping[str, float]) -> dict[str, float]:

@@ -12,6 +12,7 @@ from math import radians, remainder, tau
 import numpy as np
 
 from zoh.analysis.crossings import sign_changes
+from zoh.analysis.on_target import ELSEWHERE, UNSTABLE, not_as_asked, surely_on_target
 from zoh.analysis.tabled.count import count
 from zoh.analysis.tabled.margins import Seen
 from zoh.analysis.tabled.path import Path
@@ -30,12 +31,8 @@ from zoh.lti.systems import Sampled
 from zoh.lti.weights import WEIGHTS
 from zoh.request import CANCELLED_UNSTABLE_MODES, LAWS, NEGATIVE_GAINS, Progress
 from zoh.solving import (
-    ELSEWHERE,
-    UNSTABLE,
     SolvedLaw,
     by_gain_alone,
-    not_as_asked,
-    off_target,
     own_margin,
     solved,
 )
@@ -83,7 +80,7 @@ def design_on_table(
 
     def checked(found: SolvedLaw, spec: Crossover | None) -> TableVerified:
         evidence = measured(found)
-        off = not_as_asked(evidence.margins, spec)
+        off = not_as_asked(evidence.margins, spec, lambda wc: evidence.loop.at(wc))
         if off:
             raise NotMet((*evidence.misses, *off), evidence)
         return table_verified(evidence)
@@ -110,7 +107,7 @@ def _advised(
         path = Path.of(plant.whole(controller) * plant.table)
         if count(path).unstable != 0:
             return UNSTABLE
-        return ELSEWHERE if off_target(Seen.of(path), at) else ""
+        return "" if surely_on_target(Seen.of(path), at) else ELSEWHERE
 
     return advised(refused, law, plant, spec, parameters, fails, allow, progress)
 

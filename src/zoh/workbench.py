@@ -5,12 +5,13 @@ from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 from zoh.analysis.load_error import load_iae
+from zoh.analysis.on_target import not_as_asked
 from zoh.analysis.verify import Verified, measure, verified
 from zoh.errors import NotMet
 from zoh.lti.hidden import unstable_hidden, without_hidden
 from zoh.lti.systems import Plant, Sampled
 from zoh.request import CANCELLED_UNSTABLE_MODES
-from zoh.solving import SolvedLaw, not_as_asked
+from zoh.solving import SolvedLaw
 from zoh.spec import Crossover, Requirements
 
 _WORD = f'allow=["{CANCELLED_UNSTABLE_MODES}"]'
@@ -63,7 +64,7 @@ class Bench(Setting):
             gains=found.gains, name=self.name, fixed=self.fixed, **self.weights,
         )  # fmt: skip
         evidence = replace(evidence, allowed=self.allowed) if self.allowed else evidence
-        off = not_as_asked(evidence.margins, spec)
+        off = not_as_asked(evidence.margins, spec, lambda wc: evidence.loop.at(wc))
         if evidence.margins.stable is False and unstable_hidden(self.plant):
             off = [HIDES]
         if off:

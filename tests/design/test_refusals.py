@@ -40,7 +40,7 @@ def turns(low, high):
 #   less atan x = 45 deg
 # PID, ki = 5: x k/sqrt 2 = 5/4 is no cosine; it is 1 for ki = 4
 # PID, ki = 3: k = 3/sqrt 8 is no sine, kd > 0 everywhere; acos(3/4) = 41.41 deg either way, less
-#   45 deg
+#   45 deg; of the 41.4096 no more is offered than can be had
 # lead, a0 = 1: acos(a0 |G|) = 45 deg;  lag, a0 = 5: acos(sqrt 2/5) = 73.57 deg
 REFUSALS = [
     (p.solve, {}, 60, sentence("a P", turns(0, 0), 60, "+15", 45)),
@@ -73,7 +73,7 @@ REFUSALS = [
             turns("-86.41", "-3.59"),
             60,
             "+15",
-            "41.41",
+            "41.4",
         ),
     ),
     (
@@ -284,17 +284,43 @@ def test_what_is_narrower_than_the_search_is_found_where_the_reason_changes(at, 
     assert nearest(lambda w: why_not(w) and "no", 1.0, 0.001) is None  # unless a step falls on it
 
 
-def test_the_nearest_is_the_edge_itself_where_its_seven_digits_do_not_work():
+@pytest.mark.parametrize(
+    ("bad", "offered"), [({1.414214}, 1.414215), ({1.414214, 1.414215, 1.414217}, 1.414224)]
+)
+def test_the_nearest_is_a_few_units_inside_where_the_first_seven_digits_do_not_work(bad, offered):
     asked = []
 
     def why_not(w):
         asked.append(w)
-        return "" if sqrt(2) < w and w != 1.414214 else "no"
+        return "" if sqrt(2) < w and w not in bad else "no"
+
+    assert nearest(why_not, 1.0, 1.0) == offered
+    assert all(asked.count(w) == 1 for w in bad)  # a trial is a loop measured and proved
+
+
+def test_the_nearest_is_the_edge_itself_where_no_seven_digits_work():
+    asked = []
+
+    def why_not(w):
+        asked.append(w)
+        return "" if sqrt(2) < w and w not in (1.414214, 1.414215, 1.414217, 1.414224) else "no"
 
     got = nearest(why_not, 1.0, 1.0)
     assert got == pytest.approx(sqrt(2), rel=1e-12)
     assert got > sqrt(2)
-    assert asked.count(1.414214) == 1  # a trial is a loop measured and proved
+    assert asked.count(1.414214) == 1
+    # what is printed is what works: all its digits, then
+    assert f"{got!r} rad/s" in str(Infeasible("no", needed_deg=0.0, nearest_wc=got))
+    assert "is 1.414214 rad/s" in str(Infeasible("no", needed_deg=0.0, nearest_wc=1.414214))
+
+
+@pytest.mark.parametrize(
+    ("best", "said"),
+    [(129.26423, "129.2"), (44.999999, "44.99"), (45.0, "45"), (0.0012349, "0.001234")],
+)
+def test_a_best_margin_is_said_to_be_no_more_than_it_is(best, said):
+    text = str(Infeasible("no", needed_deg=0.0, best_pm_deg=best))
+    assert f"the best margin it can give here is {said} deg" in text
 
 
 def test_an_edge_at_seven_digits_that_do_not_work_goes_to_the_next_that_do():

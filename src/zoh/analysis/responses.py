@@ -33,7 +33,9 @@ class Response:
 
     peak, peak_time  its largest size and when in s, None where it is only approached; for a ramp
                      the output is the error, time minus y
-    final_value      what it comes to; inf where it grows without end
+    final_value      what it comes to; inf where it grows without end. Under a ramp its limit at the
+                     samples: a plant that does not integrate follows a u that climbs in steps, so
+                     between the samples the error ripples for ever, a biproper plant's by jumps
     settling_time    s, from which on it stays within 2 % of the peak around the final value;
                      None where it may not by the horizon
     peak_effort      the largest |u|, in input units; inf where it grows without end

@@ -12,6 +12,7 @@ from warnings import catch_warnings, simplefilter
 import numpy as np
 
 from zoh.analysis.load_error import load_iae
+from zoh.analysis.on_target import not_as_asked
 from zoh.analysis.results import Margins, StepInfo
 from zoh.analysis.verify import Measured, measure, verified
 from zoh.batch import sources
@@ -26,7 +27,7 @@ from zoh.lti.weights import WEIGHTS
 from zoh.pipeline import design
 from zoh.request import OPTIONS, checked
 from zoh.sampling.hold import sample
-from zoh.solving import SolvedLaw, not_as_asked, solved
+from zoh.solving import SolvedLaw, solved
 from zoh.spec import Crossover
 
 _ANY_MARGIN = 90.0  # deg; a rule that takes no margin does not look at it
@@ -111,7 +112,8 @@ def _one(job: Job, values: Mapping[str, float]) -> Outcome:
             derivative_weight=weights["derivative_weight"],
         )
     )  # fmt: skip
-    off = not_as_asked(made.margins, spec if "pm_deg" in asked else None)
+    spec = spec if "pm_deg" in asked else None
+    off = not_as_asked(made.margins, spec, lambda wc: made.loop.at(wc))
     return Outcome(reason=Reason.OFF_TARGET if off else Reason.OK, gains=found.gains, measured=made)
 
 

@@ -16,6 +16,7 @@ from zoh.choice.before import why_never
 from zoh.choice.fastest import Edge, Search, Trial, least_ms
 from zoh.choice.judge import Judge
 from zoh.design.p import crossovers
+from zoh.design.target import seven_digits
 from zoh.errors import Infeasible
 from zoh.lti.systems import Sampled
 from zoh.request import AUTO, NEGATIVE_GAINS, Progress
@@ -206,7 +207,8 @@ def _elsewhere(
 
     Of each law its fastest where that is below; else, if what is met is one interval, its slow end.
     """
-    fixed, found = {name: value for name, value in given.items() if name != "wc"}, []
+    fixed = {name: value for name, value in given.items() if name != "wc"}
+    found: list[tuple[float, str]] = []
     for one in tried:
         if one.best is None:
             continue
@@ -214,5 +216,15 @@ def _elsewhere(
         if best.met and best.wc > given["wc"] and (one.law != "p" or "pm_deg" not in fixed):
             best = Search(judge, one.law, fixed, progress).closed_in(best, one.best)[0]
         if best.met:
-            found.append(best.wc)
-    return min(found, key=lambda wc: abs(log(wc / given["wc"])), default=None)
+            found.append((best.wc, one.law))
+    nearest = min(found, key=lambda spot: abs(log(spot[0] / given["wc"])), default=None)
+    return None if nearest is None else _in_seven_digits(judge, nearest, given, fixed)
+
+
+def _in_seven_digits(
+    judge: Judge, found: tuple[float, str], given: Mapping[str, float], fixed: Mapping[str, float]
+) -> float:
+    """Return a crossover as it is printed, if all is met there, too; else as it was found."""
+    wc, law = found
+    printed = seven_digits(wc, 1 if wc > given["wc"] else -1)
+    return printed if Search(judge, law, fixed).at(printed).met else wc

@@ -10,6 +10,7 @@ from zoh import checks
 from zoh.analysis.asked import OF_TIME, Compared, checked, of_effort, of_margins, of_time
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import glance
+from zoh.analysis.on_target import surely_on_target
 from zoh.analysis.responses import noise_gains
 from zoh.analysis.results import StepInfo
 from zoh.analysis.stability import closed_loop_stable
@@ -20,7 +21,7 @@ from zoh.lti import poly
 from zoh.lti.systems import Sampled
 from zoh.lti.weights import WEIGHTS, feedforward
 from zoh.lti.wplane import warp
-from zoh.solving import SolvedLaw, negated, off_target, solved
+from zoh.solving import SolvedLaw, negated, solved
 from zoh.spec import Crossover
 from zoh.workbench import Setting
 
@@ -105,7 +106,7 @@ class Judge(Setting):
         if not closed_loop_stable(loop):
             return Judgement(slack=-3.0, failed="the closed loop is unstable")
         margins = glance(loop)
-        if off_target(margins, spec):
+        if not surely_on_target(margins, spec):
             return Judgement(slack=-2.0, failed="the margin is smaller at another crossover")
         rows = of_margins(self.requirements, margins)
         if any(getattr(self.requirements, name) is not None for name in OF_TIME):

@@ -28,6 +28,7 @@ _CANCELLED = 1e-13  # of its terms: what is left of a polynomial at its own root
 _STEP, _TURN = 0.03, 0.02  # of a frequency, and rad a sample: between two that are tried
 _LEAST = 8e-4  # of wc: the slowest that is tried
 _HALVINGS, _FEW = 40, 10  # of a step: where a phase is passed, and where a loop has to be measured
+_INWARDS = (0, 1, 3, 10)  # units of the seventh digit: where what is printed must work
 BELOW, ABOVE = "the phase needed is below what it gives", "the phase needed is above what it gives"
 
 Phases = tuple[float, float] | None  # an open interval in rad, None where a law can give nothing
@@ -183,21 +184,43 @@ def _edge(works: Callable[[float], bool], bad: float, good: float) -> float:
 
     Each trial is a loop measured and proved: none is made that could not change a digit.
     """
-    away = ceil if good > bad else floor
-
-    def rounded(w: float) -> float:
-        unit = 10.0 ** (floor(log10(w)) - 6)
-        return float(f"{away(w / unit) * unit:.7g}")
-
+    away = 1 if good > bad else -1
     known = False
     for _ in range(40):
-        if not known and rounded(good) == rounded(bad):  # and so is all between them
+        if not known and seven_digits(good, away) == seven_digits(bad, away):  # all between, too
             known = True
-            if works(rounded(good)):
-                return rounded(good)
+            printed = _printed(works, good, away)
+            if printed is not None:
+                return printed
         middle = (bad + good) / 2
         if works(middle):
             good = middle
         else:
             bad = middle
-    return rounded(good) if not known and works(rounded(good)) else good
+    printed = None if known else _printed(works, good, away)
+    return good if printed is None else printed
+
+
+def _printed(works: Callable[[float], bool], good: float, away: int) -> float | None:
+    """Return the first of a few that works in seven digits, from good inwards; None if none does.
+
+    Right at the edge a loop may be had by luck: rounding decides there.
+    """
+    for units in _INWARDS:
+        w = seven_digits(good, away, units)
+        if works(w):
+            return w
+    return None
+
+
+def seven_digits(w: float, away: int, units: int = 0) -> float:
+    """Return w in seven digits, rounded up where ``away`` is 1 and down where it is -1.
+
+    units  of the seventh digit, that many farther
+
+    >>> seven_digits(1.23456789, 1), seven_digits(1.23456789, -1, 2)
+    (1.234568, 1.234565)
+    """
+    unit = 10.0 ** (floor(log10(w)) - 6)
+    whole = ceil(w / unit) if away > 0 else floor(w / unit)
+    return float(f"{(whole + away * units) * unit:.7g}")
