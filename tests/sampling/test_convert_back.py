@@ -165,8 +165,28 @@ def test_a_fast_matched_pole_is_found_in_z(zeros):
 def test_matched_zeros_at_minus_one_are_none_of_the_plant_however_fast_its_poles(poles, dt, zeros):
     # fast poles keep their digits in z alone, where (z + 1)^k is rounded: no s^2 + (pi/dt)^2
     plant = Plant.zpk(zeros=zeros, poles=poles, gain=1)
-    got = undiscretise(discretise(plant, dt, "matched"), "matched")
-    assert got.num == pytest.approx(plant.num, rel=1e-13)
+    made = discretise(plant, dt, "matched")
+    typed = Sampled(num=made.num, den=made.den, dt=dt)  # in w, too, (z + 1)^k is rounded then
+    for system in (made, typed):
+        got = undiscretise(system, "matched")
+        assert got.num == pytest.approx(plant.num, rel=1e-12)
+
+
+def test_typed_zeros_at_minus_one_beside_a_zero_of_the_plant_are_none_of_it():
+    # rounding moves (z + 1)^3 to a zero on the negative axis and a pair, none of which has a log
+    plant = Plant.zpk(zeros=[-0.7], poles=[-1, -2, -3, -4], gain=1)
+    made = discretise(plant, 0.1, "matched")
+    got = undiscretise(Sampled(num=made.num, den=made.den, dt=0.1), "matched")
+    assert got.num == pytest.approx((1, 0.7), rel=1e-10)  # z-coefficients hold slow poles to that
+
+
+def test_a_zero_that_is_not_at_minus_one_is_not_taken_for_one():
+    # s^2 + w^2 with w 1e-4 below Nyquist's: z = -exp(+-1e-4 j dt), which z + 1 does not divide
+    plant = Plant(num=[1, 0, (pi - 1e-4) ** 2], den=[1, 3, 3, 1])
+    made = discretise(plant, 1.0, "matched")
+    got = undiscretise(Sampled(num=made.num, den=made.den, dt=1.0), "matched")
+    # 1e-8: (z + 1)^2 + 1e-8 keeps eight digits of that in floats, and so 1e-12 of w^2
+    assert got.num == pytest.approx(plant.num, rel=1e-8, abs=1e-8)
 
 
 @pytest.mark.parametrize("method", LOGARITHMIC)

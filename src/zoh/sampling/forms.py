@@ -5,6 +5,7 @@ The two differ by rounding. Fast poles keep their digits in z, slow ones in w.
 
 from dataclasses import dataclass
 from decimal import Decimal
+from math import comb
 
 from zoh.lti import digits
 from zoh.lti.digits import Exact
@@ -12,6 +13,7 @@ from zoh.lti.systems import Sampled
 from zoh.sampling.differences import replaced, trimmed
 
 _ZERO, _ONE = Decimal(0), Decimal(1)
+_LAST_DIGIT = Decimal(2) ** -52
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,6 +103,25 @@ def _with_ends(a: Exact, in_w: tuple[float, ...]) -> Exact:
         for _ in range(times):
             core = digits.times(core, (slope, _ONE))
     return core
+
+
+def with_zeros_at_minus_one(bare: Sampled) -> Sampled:
+    """Return the system with every zero at z = -1 that the rounding of its z-coefficients hides.
+
+    There a zero is one of the leading zeros in w; (z + 1)^k of rounded coefficients leaves next
+    to nothing in their place.
+
+    >>> g = Sampled(num=[0.1, 0.3, 0.3, 0.1], den=[1, -0.5, 0.2, 0.1], dt=1.0)
+    >>> g.num_w[1] > 0, with_zeros_at_minus_one(g).num_w[:3]
+    (True, (0.0, 0.0, 0.0))
+    """
+    num, n = digits.exact(bare.num), len(bare.num) - 1
+    with digits.precision(_exact_digits(num, num, 1.0)):
+        in_p = replaced(num, (_ONE, _ONE), (-_ONE, _ONE), n)
+        most = sum(map(abs, num)) * _LAST_DIGIT
+        hidden = next((j for j in range(n) if abs(in_p[j]) > most * comb(n, j)), n)
+    num_w = (0.0,) * hidden + bare.num_w[hidden:]
+    return Sampled.made(num=bare.num, den=bare.den, dt=bare.dt, num_w=num_w, den_w=bare.den_w)
 
 
 def _exact_digits(num: Exact, den: Exact, dt: float) -> int:

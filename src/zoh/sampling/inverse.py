@@ -6,6 +6,7 @@ one that returns closer to both forms is the answer, if it comes within 1e-9.
 """
 
 from collections.abc import Callable
+from contextlib import suppress
 from decimal import Decimal, getcontext
 from math import log10
 
@@ -16,7 +17,7 @@ from zoh.lti.systems import Plant, Sampled
 from zoh.sampling.algebra import Ring, solve
 from zoh.sampling.differences import TUSTIN, to_plant, trimmed
 from zoh.sampling.distance import distance
-from zoh.sampling.forms import Form, in_w, in_z, trailing_zeros
+from zoh.sampling.forms import Form, in_w, in_z, trailing_zeros, with_zeros_at_minus_one
 from zoh.sampling.logarithm import NoLogarithm, artanh_of_roots
 from zoh.sampling.ring import StepResponse, digits_needed
 
@@ -73,6 +74,10 @@ def by_logarithm(system: Sampled, method: str, again: Callable[[Plant], Sampled]
                 "no plant has one: use method 'tustin' or 'forward'",
             ) from None
 
+    plain = with_zeros_at_minus_one(bare) if method == "matched" else bare
+    if plain.num_w != bare.num_w:
+        with suppress(SpecError):  # the plainer plant, where rounding cannot tell
+            return _late(_checked(plain, back, again), delay * bare.dt)
     return _late(_checked(bare, back, again), delay * bare.dt)
 
 
