@@ -289,3 +289,14 @@ def test_a_ripple_that_is_approached_rises_above_the_error_at_the_samples():
     # 1e-7: followed until a hundred millionth of the slowest mode is left
     assert got.peak == pytest.approx(10 + height, rel=1e-7)
     assert got.peak_time is None
+
+
+def test_the_final_error_of_a_biproper_plant_under_a_ramp_is_that_at_the_samples():
+    # Kv = 0.6/0.1 times P(0) = 0.4: 1/2.4 at each sample; u climbs by 0.1/0.4 there, which comes
+    # through at once, so that just before it the error is larger by 0.25, for ever
+    plant = zoh.Plant(num=[1, 2], den=[1, 5])
+    r = zoh.response(plant, zoh.Sampled(num=[0.5, 0.1], den=[1, -1], dt=0.1), by="ramp")
+    assert r.final_value == pytest.approx(1 / 2.4, rel=1e-12)
+    assert r.peak == pytest.approx(1 / 2.4 + 0.25, rel=1e-9)
+    assert r.peak_time is None  # approached
+    assert r.settling_time is None
