@@ -103,11 +103,13 @@ class Infeasible(ZohError):
 def _below(pm_deg: float) -> str:
     """Return a margin in four digits, never more than it is but for rounding.
 
-    >>> _below(129.26423), _below(45 - 1e-6), _below(45.0), _below(8.04 * 3)
-    ('129.2', '44.99', '45', '24.12')
+    >>> _below(129.26423), _below(45 - 1e-6), _below(45.0), _below(8.04 * 3), _below(0.0)
+    ('129.2', '44.99', '45', '24.12', '0')
     """
-    unit = 10.0 ** (floor(log10(pm_deg)) - 3)
-    return f"{floor(pm_deg / unit * (1 + 1e-12)) * unit:.4g}"
+    short = f"{pm_deg:.4g}"
+    if float(short) <= pm_deg + 1e-12 * abs(pm_deg):
+        return short
+    return f"{float(short) - 10.0 ** (floor(log10(abs(pm_deg))) - 3):.4g}"
 
 
 class AccuracyWarning(UserWarning):
