@@ -21,6 +21,7 @@ from zoh.errors import SpecError
 from zoh.lti import signs, whole
 from zoh.lti.whole import Point, Whole
 
+_QUIET = 1e-3  # |L| at a turn that is listed in any case: a factor of 1000
 _LIKE_THE_END = 1.01  # times |L| at infinity: the turns from there on look alike
 _MOST = 200_000  # points on a dead time's turns; more turns than that are not a control loop
 _STEP = 0.2  # rad of the delay's phase from one point to the next
@@ -35,7 +36,7 @@ def followed(loop: Loop, squares: Squares, v: Array) -> list[Array]:
 
     First those from the beginning on, then those around what decides further off.
 
-    That is while |L| is above a thousandth on the grid v (of its largest value, where that is
+    That is while |L| is above a thousandth (of its largest value on the grid v, where that is
     below 1; a half, where that would be too far), and two turns further. Where |L| ends at more
     than that, the end is what every further turn is like. Up to the last that decides it is at
     least, or, where that would be too far, around it: two turns to both sides. A loop that is 1
@@ -50,8 +51,8 @@ def followed(loop: Loop, squares: Squares, v: Array) -> list[Array]:
     deciding = sorted([*unities, *_turning_back(squares, size, end)])
     last = max(deciding, default=0.0)
     loud = [
-        max(v[size > max(quiet, _LIKE_THE_END * end)], default=0.0)
-        for quiet in (1e-3 * min(1.0, float(size.max())), 0.5)
+        _last_passage(squares, max(quiet, _LIKE_THE_END * end))
+        for quiet in (_QUIET * min(1.0, float(size.max())), 0.5)
     ]
     at_least = [*(loud if end else ()), max(unities, default=0.0)]
     for upto in (*(max(x, last) for x in loud), last, *at_least):
@@ -76,10 +77,7 @@ def around_the_fall(loop: Loop, squares: Squares, beyond: float) -> Array:
     """
     if not 0 < squares.level < 1:
         return np.empty(0)
-    least = squares.level / (1 - squares.level)
-    top, bottom = (least * least).as_integer_ratio()
-    fall = whole.plus([bottom * c for c in squares.top], [top * c for c in squares.bottom], -1)
-    first = min(map(as_v, signs.odd_roots(fall)), default=0.0)
+    first = min(_passages(squares, squares.level / (1 - squares.level)), default=0.0)
     if not first:
         return np.empty(0)
     place = _next_positive(loop, first)
@@ -125,6 +123,18 @@ def _turning_back(squares: Squares, size: Array, end: float) -> list[float]:
     )  # fmt: skip
     far = min(_off(end), min(map(_off, size.tolist()), default=inf) + log(2.0))
     return [as_v(q) for q in signs.odd_roots(slope) if _off(_size(squares, q)) < far]
+
+
+def _last_passage(squares: Squares, level: float) -> float:
+    """Return the last v at which |L| passes the level, 0 where it never does."""
+    return max(_passages(squares, level), default=0.0)
+
+
+def _passages(squares: Squares, level: float) -> list[float]:
+    """Return every v at which |L| passes the level, each to its last digits."""
+    top, bottom = (level * level).as_integer_ratio()
+    over = whole.plus([bottom * c for c in squares.top], [top * c for c in squares.bottom], -1)
+    return [as_v(q) for q in signs.odd_roots(over)]
 
 
 def _size(squares: Squares, q: Point) -> float:

@@ -32,8 +32,9 @@ class Margins:
     gain_crossings    every (frequency in rad/s, phase margin in deg)
     phase_crossings   every (frequency, gain factor); w = 0 and Nyquist's count where L is
                       negative real there. A continuous dead time turns the loop for ever:
-                      listed are those with a factor up to 1000 and a few more, or
-                      up to 2 where the others would be too many
+                      listed are all with a factor up to 1000 and a few more; where |L| ends
+                      at more than that, all up to within 1 % of its end; where these would be
+                      too many, those up to 2, or around what decides the gain margin
     certificate       why no crossing was missed and no peak is higher; None for a table
     warnings          what the figures rest on or where they end, one sentence each
     dt                s, between two samples; None of a continuous loop
