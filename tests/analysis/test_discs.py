@@ -407,13 +407,15 @@ def test_numbers_of_stretches_add_up():
     assert told.detail == "two crossings, or none, nearer than discs tell"
 
 
-def test_a_root_at_an_interval_s_end_is_no_change_of_sign_inside():
+def test_a_root_between_two_intervals_is_one_change_of_sign_and_at_an_end_none():
     part = part_of([1.0, 2.0, 3.0])
 
     def told(d):
         return np.ones(d.top.shape), np.zeros(d.top.shape)
 
-    assert _changes(part, told, told, lambda _, x: x - 2.0) == 0
+    assert _changes(part, told, told, lambda _, x: x - 1.0) == 0
+    assert _changes(part, told, told, lambda _, x: x - 2.0) == 1
+    assert _changes(part, told, told, lambda _, x: x - 3.0) == 0
     assert _changes(part, told, told, lambda _, x: x - 2.5) == 1
     assert _changes(part, told, told, lambda _, x: (x - 1.5) * (x - 2.5)) == 2
 

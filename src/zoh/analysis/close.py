@@ -17,6 +17,7 @@ from zoh.analysis.endless import around_the_fall, followed
 from zoh.analysis.loop import Array, ComplexArray, Loop
 from zoh.analysis.sharp import sharpened
 from zoh.analysis.squares import Below, Squares, corners
+from zoh.analysis.undamped import without_undamped
 from zoh.lti import poly, whole
 from zoh.lti.whole import Whole
 
@@ -77,12 +78,18 @@ class Close:
         return self.squares.over_bottom(self.squares.gain, v) / 2
 
     def turns(self) -> list[float]:
-        """Return every v up to ``reach``, and in what is ``further``, at which L is real."""
-        signs = np.sign((self.top * np.conj(self.bottom)).imag)
+        """Return every v up to ``reach``, and in what is ``further``, at which L is real.
+
+        Where a polynomial tells, an undamped pole or zero is one of its roots and is among them.
+        """
+        loop, top, bottom = self.loop, self.top, self.bottom
+        if not self.squares.whole and (left := without_undamped(loop)[0]) is not loop:
+            loop, (top, bottom) = left, left.parts(self.v)
+        signs = np.sign((top * np.conj(bottom)).imag)
         found: list[float] = []
         for low, high in ((0.0, self.reach), *self.further):
             seen = (low <= self.v) & (self.v <= high)
-            found += sign_changes(self.loop.side, self.v[seen], signs[seen])
+            found += sign_changes(loop.side, self.v[seen], signs[seen])
         found = merged(found)
         return _sharpened(self.squares.turn, found) if self.squares.whole else found
 

@@ -220,7 +220,8 @@ def _changes(
     """Return the sign changes of a function inside a stretch; None where it is not decided.
 
     On each interval either its value keeps its sign, for what ``sure`` knows, too, or its slope
-    does.
+    does. Where it is 0 at a point that two intervals share, its signs on both sides tell: it can
+    but pass there, for its slope is not 0.
     """
 
     def one_way(d: Discs) -> Bools:
@@ -231,8 +232,10 @@ def _changes(
     ends = decided(part, one_way)
     if ends is None:
         return None
-    first, last = (np.sign(at(part, x)) for x in ends)
-    return int(np.count_nonzero(first * last < 0))
+    x = np.unique(np.concatenate(ends))
+    signs = np.sign(at(part, x))
+    signs = signs[signs != 0]
+    return int(np.count_nonzero(signs[1:] != signs[:-1]))
 
 
 def _counted(numbers: list[int | None], found: int, upto: str = "") -> Proof:

@@ -20,6 +20,7 @@ from zoh.analysis.loop import Loop
 from zoh.analysis.sharp import apart
 from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import Below, Squares, squared
+from zoh.analysis.undamped import without_undamped
 from zoh.lti import signs, whole
 from zoh.lti.whole import Whole
 
@@ -67,12 +68,7 @@ def proved(loop: Loop, squares: Squares, look: Look, found: Found, *, stable: Pr
     else:
         v, level = look.v, squares.level
         modulus, complementary, disk = (_between(loop, squares, look, peak) for peak in found.peaks)
-        upto = [x for x in found.turns if x <= look.reach]
-        phases = discs.turns(loop, v[v <= look.reach], len(upto))
-        if loop.dt is None and any(loop.num):
-            phases = _decided(phases, squares, found.factor, look.reach)
-        if not apart(loop.side, found.turns, _BESIDE):
-            phases = replace(phases, holds=False, detail=phases.detail + _NOT_APART)
+        phases = _turns(loop, squares, look, found)
         passages = discs.passages(loop, v, level, found.drops)
     return Certificate(
         stable=stable, gain_crossings=gain, phase_crossings=phases,
@@ -103,6 +99,19 @@ def counted(a: Whole, found: Sequence[float]) -> Proof:
     if holds and not _apart(a, found):
         holds, detail = False, detail + _NOT_APART
     return Proof(holds=holds, method="halving", detail=detail)
+
+
+def _turns(loop: Loop, squares: Squares, look: Close, found: Found) -> Proof:
+    """Return the proof for where L is real, an undamped pole or zero not counted among it."""
+    left, jumps = without_undamped(loop)
+    upto = [x for x in found.turns if x <= look.reach]
+    phases = discs.turns(left, look.v[look.v <= look.reach], len(upto))
+    if loop.dt is None and any(loop.num):
+        phases = _decided(phases, squares, found.factor, look.reach)
+    beside = any(abs(x - v) <= _BESIDE * v for v in jumps for x in found.turns)
+    if beside or not apart(left.side, found.turns, _BESIDE):
+        return replace(phases, holds=False, detail=phases.detail + _NOT_APART)
+    return phases
 
 
 def _decided(phases: Proof, squares: Squares, factor: float | None, reach: float) -> Proof:
