@@ -10,7 +10,8 @@ import zoh
 from zoh.analysis import motion
 from zoh.analysis.closed import closed_loop, followable
 from zoh.analysis.curves import trace
-from zoh.analysis.step import closed_loop_step, gains_at_rest, step_info
+from zoh.analysis.rest import gains_at_rest
+from zoh.analysis.step import closed_loop_step, step_info
 from zoh.errors import SpecError
 from zoh.lti.systems import Plant, Sampled
 from zoh.sampling.hold import MAX_DELAY
@@ -348,11 +349,11 @@ def test_the_largest_effort_may_be_below_zero():
 
 
 def test_a_feedforward_of_its_own_poles_counts_with_its_gain_at_rest():
-    """(z^2 + 1)/(z^2 - z + 1/2) is 4 at z = 1: y = u = (1/2 + 4)/(1 + 1/2) of 1/(s + 1)."""
+    """(z^2 + 1)/(z^2 - z + 1/2) is 4 at z = 1: y = u = (1/2 + 4)/(1 + 1/2) of 1/(s + 1), 2 off."""
     half = Sampled(num=[0.5], den=[1], dt=0.25)
     ahead = Sampled(num=[1, 0, 1], den=[1, -1, 0.5], dt=0.25)
     found = gains_at_rest(Plant(num=[1], den=[1, 1]), half, ahead)
-    assert found == pytest.approx((3.0, 3.0), rel=1e-14)
+    assert found == pytest.approx((3.0, 3.0, -2.0), rel=1e-14)
 
 
 @pytest.mark.parametrize("most", [1, 4])

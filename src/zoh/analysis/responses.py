@@ -18,6 +18,7 @@ from zoh.analysis.curves import Trace, trace_of
 from zoh.analysis.left import farthest
 from zoh.analysis.loop import Loop
 from zoh.analysis.motion import BAND, NEAR, Motion
+from zoh.analysis.rest import gains_at_rest, under_a_load
 from zoh.analysis.stability import closed_loop_stable
 from zoh.analysis.waveform import Waveform
 from zoh.errors import SpecError
@@ -171,22 +172,20 @@ def _check_stable(plant: Plant, controller: Sampled, compute_delay: float) -> No
 
 def _at_rest(plant: Plant, controller: Sampled, by: Excitation) -> tuple[float, float]:
     """Return what the output (the error for a ramp) and u come to, from the gains at w = 0."""
-    c_num, c_den = controller.num_w, controller.den_w
-    p_num = [plant.sensor * c for c in plant.num]
-    p_den = plant.den
-    closed = c_num[-1] * p_num[-1] + c_den[-1] * p_den[-1]
     if by == "impulse":
         return 0.0, 0.0
     if by == "disturbance":
-        return p_num[-1] * c_den[-1] / closed, -c_num[-1] * p_num[-1] / closed
+        return under_a_load(plant, controller)
     if by == "step":
-        return c_num[-1] * p_num[-1] / closed, c_num[-1] * p_den[-1] / closed
+        return gains_at_rest(plant, controller)[:2]
+    c_num, c_den, p_den = controller.num_w, controller.den_w, plant.den
+    p_num = plant.sensor * plant.num[-1]
     # the ramp: S/w at w = 0, where S = den/(den + num)
     den_0 = c_den[-1] * p_den[-1]
     den_1 = _next(c_den) * p_den[-1] + c_den[-1] * _next(p_den)
-    error = inf if den_0 else den_1 / closed
+    error = inf if den_0 else den_1 / (c_num[-1] * p_num)
     # u must keep y growing by 1 a second: a ramp of its own unless the plant integrates
-    return error, inf if p_den[-1] else _next(p_den) / p_num[-1]
+    return error, inf if p_den[-1] else _next(p_den) / p_num
 
 
 def _next(a: "tuple[float, ...] | list[float]") -> float:

@@ -16,6 +16,7 @@ from zoh.analysis.closed import autonomous, closed_loop, continuous
 from zoh.analysis.left import farthest
 from zoh.analysis.loop import Loop
 from zoh.analysis.motion import BAND, NEAR, Motion, Track
+from zoh.analysis.rest import gains_at_rest
 from zoh.analysis.results import StepInfo
 from zoh.analysis.stability import hurwitz_floats
 from zoh.analysis.waveform import Waveform
@@ -48,16 +49,17 @@ def step_info(system: Plant | Sampled) -> StepInfo:
     loop = Loop.of(system)
     if not hurwitz_floats(loop.den):
         return StepInfo(stable=False)
-    final = loop.num[-1] / loop.den[-1]
+    final, error = loop.num[-1] / loop.den[-1], _error(loop)
     if isinstance(system, Sampled):
         motion, late = autonomous(system), system.delay * system.dt
-        return _Seen.of(motion, motion.track(final), final, 1.0, late).at_samples()
+        return _Seen.of(motion, motion.track(final), final, error, 1.0, late).at_samples()
     try:
         with np.errstate(over="raise", invalid="raise"):
             motion = continuous(system, _interval(loop.den))
             if not np.isfinite(motion.output).all():
                 raise OverflowError
-            return _Seen.of(motion, motion.track(final), final, 1.0, system.dead_time).between()
+            late = system.dead_time
+            return _Seen.of(motion, motion.track(final), final, error, 1.0, late).between()
     except (ArithmeticError, np.linalg.LinAlgError):
         raise SpecError(
             "system",
@@ -65,6 +67,15 @@ def step_info(system: Plant | Sampled) -> StepInfo:
             str(system),
             "count time or the output in another unit",
         ) from None
+
+
+def _error(loop: Loop) -> float:
+    """Return 1 - num/den at w = 0, where that is near 1 of the exact coefficients."""
+    top, bottom = loop.num[-1], loop.den[-1]
+    if not bottom / 2 < top < 2 * bottom and not bottom / 2 > top > 2 * bottom:
+        return 1 - top / bottom
+    num, den = (a[-1] for a in loop.exact)
+    return (den - num) / den
 
 
 def _interval(den: Poly) -> float:
@@ -86,9 +97,9 @@ def closed_loop_step(
     ``between_samples`` at all times, ``peak_effort`` the largest |u|.
     """
     motion = closed_loop(plant, controller, compute_delay, feedforward=feedforward)
-    final, at_rest = gains_at_rest(plant, controller, feedforward)
+    final, at_rest, error = gains_at_rest(plant, controller, feedforward)
     track = queue.track(motion, (final, at_rest)) if motion.wait else motion.track(final)
-    seen = _Seen.of(motion, track, final, reference)
+    seen = _Seen.of(motion, track, final, error, reference)
     wave = seen.wave
     top, bottom = int(wave.u.argmax()), int(wave.u.argmin())
     most, least = float(wave.u[top]), float(wave.u[bottom])
@@ -104,30 +115,18 @@ def closed_loop_step(
     )
 
 
-def gains_at_rest(
-    plant: Plant, controller: Sampled, feedforward: Sampled | None = None
-) -> tuple[float, float]:
-    """Return what y and u settle to: (C + F) P/(1 + C P) and (C + F)/(1 + C P) at w = 0.
-
-    At rest a held plant has the plant's own gain.
-    """
-    p_num, c_num, c_den = plant.sensor * plant.num[-1], controller.num_w[-1], controller.den_w[-1]
-    closed = c_num * p_num + c_den * plant.den[-1]
-    ahead = 0.0 if feedforward is None else feedforward.num_w[-1] / feedforward.den_w[-1]
-    path = c_num + ahead * c_den
-    return path * p_num / closed, path * plant.den[-1] / closed
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Seen:
     """A waveform that settles to ``final``.
 
+    error      1 less that, with its own digits
     reference  the size of the step;  late  s, when the response begins
     horizon    s, to which it is known;  rests  whether it stays in its band from then on
     """
 
     wave: Waveform
     final: float
+    error: float
     reference: float
     late: float
     horizon: float
@@ -135,13 +134,14 @@ class _Seen:
 
     @classmethod
     def of(
-        cls, motion: Motion, track: Track, final: float, reference: float, late: float = 0.0
-    ) -> "_Seen":
+        cls, motion: Motion, track: Track, final: float, error: float, reference: float,
+        late: float = 0.0,
+    ) -> "_Seen":  # fmt: skip
         band = BAND * abs(final)
         wave = Waveform.of(motion, track, final, band)
         rests = track.rests or farthest(motion, track.states[:, -1]) < NEAR * band
         return cls(
-            wave=wave, final=final, reference=reference, late=late,
+            wave=wave, final=final, error=error, reference=reference, late=late,
             horizon=track.horizon * motion.dt + late, rests=rests,
         )  # fmt: skip
 
@@ -185,10 +185,10 @@ class _Seen:
             peak=max(peak, size) * abs(self.reference),
             peak_time=t + self.late if over > _NOTHING else None,
             final_value=final,
-            steady_state_error=self.reference - final,
+            steady_state_error=self.error * self.reference + 0.0,  # no -0
             horizon=self.horizon,
             **more,
         )
 
 
-__all__ = ["closed_loop_step", "gains_at_rest", "step_info"]
+__all__ = ["closed_loop_step", "step_info"]

@@ -24,14 +24,14 @@ def without_undamped(loop: Loop) -> tuple[Loop, tuple[float, ...]]:
     >>> from zoh.lti.systems import Plant
     >>> left, jumps = without_undamped(Loop.of(Plant(num=[3, 1], den=[1, 2, 4, 8])))  # s^2 + 4
     >>> left.den, jumps
-    ((0.5, 1.0), (2.0,))
+    ((-0.5, -1.0), (2.0,))
     """
     shared = [_undamped(a) for a in loop.exact]
     if all(len(g) == 1 for g in shared):
         return loop, ()
-    parts = [whole.divided(a, _in_s(g)) for a, g in zip(loop.exact, shared, strict=True)]
-    length = max(map(len, parts))
-    num, den = ([0] * (length - len(a)) + a for a in parts)
+    left = [whole.divided(a, _in_s(g)) for a, g in zip(loop.exact, shared, strict=True)]
+    length = max(len(a) - next(i for i, c in enumerate(a) if c) for a in left)
+    num, den = ([0] * (length - len(a)) + a[-length:] for a in left)
     top, bottom = (tuple([c / max(map(abs, a)) for c in a]) for a in (num, den))
     jumps = tuple([as_v(q) for g in shared for q in signs.odd_roots(g)])
     return replace(loop, num=top, den=bottom, exact=(num, den)), jumps
@@ -56,5 +56,5 @@ def _in_s(g: Whole) -> list[int]:
     [-1, 0, -4]
     """
     out = [0] * (2 * len(g) - 1)
-    out[::2] = [-c if (len(g) - 1 - i) % 2 else c for i, c in enumerate(g)]
+    out[::2] = [c * (-1) ** (len(g) - 1 - i) for i, c in enumerate(g)]
     return out

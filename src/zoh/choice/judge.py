@@ -12,9 +12,10 @@ from zoh.analysis.loop import Loop
 from zoh.analysis.margins import glance
 from zoh.analysis.on_target import surely_on_target
 from zoh.analysis.responses import noise_gains
+from zoh.analysis.rest import gains_at_rest
 from zoh.analysis.results import StepInfo
 from zoh.analysis.stability import closed_loop_stable
-from zoh.analysis.step import closed_loop_step, gains_at_rest
+from zoh.analysis.step import closed_loop_step
 from zoh.choice.freedom import SLOWEST
 from zoh.errors import Infeasible, SpecError
 from zoh.lti import poly
@@ -155,8 +156,8 @@ class Judge(Setting):
                 reference=self.reference, feedforward=ahead,
             )  # fmt: skip
         else:
-            final, _ = gains_at_rest(self.plant, controller, ahead)
-            step = StepInfo(steady_state_error=self.reference * (1 - final))
+            error = gains_at_rest(self.plant, controller, ahead).error
+            step = StepInfo(steady_state_error=self.reference * error)
         return of_time(self.requirements, step, noise)
 
     def _paths(self, found: SolvedLaw) -> tuple[Sampled, Sampled | None]:
