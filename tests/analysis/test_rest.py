@@ -136,3 +136,10 @@ def test_a_system_by_itself_is_that_far_from_1(away, sign):
     num, den = sign * 0.5 * (1 + away), [sign, -sign * 0.5]
     got = step_info(Sampled(num=[num], den=den, dt=1.0))
     assert got.steady_state_error == near(1 - F(num) / (sign * F(1, 2)))
+
+
+def test_a_formula_by_itself_is_what_its_decimals_say():
+    """0.7/(s + 0.7000000001) is 1/7000000001 short of 1; that of the floats is 8e-8 of it off."""
+    got = step_info(Plant.parse("0.7/(s + 0.7000000001)")).steady_state_error
+    assert got == near(F(1, 7_000_000_001))
+    assert abs(F(0.7000000001) - F(0.7) - F(1, 10**10)) > F(8, 10**18)

@@ -15,6 +15,7 @@ from typing import NamedTuple, TypeVar
 from zoh.lti.systems import Plant, Sampled
 
 Number = TypeVar("Number", float, int)
+_NEAR = 0.5  # |1 - T| that has lost digits
 _LOST = 0.25  # of what a sum would be if nothing cancelled; seldom less with an unstable plant
 Gain = tuple[Number, Number]  # num and den, both times any number
 
@@ -56,6 +57,18 @@ def under_a_load(plant: Plant, controller: Sampled) -> tuple[float, float]:
     if not _cancels(c[0] * p[0], c[1] * p[1]):
         return _under_a_load(p, c)
     return _under_a_load(_exact(plant), _exact(controller))
+
+
+def short_of_1(system: Plant | Sampled, final: float) -> float:
+    """Return 1 less the gain at rest of a system by itself, ``final`` but for rounding.
+
+    >>> short_of_1(Plant.parse("1/(s + 1.000000001)"), 1 / 1.000000001)  # 1e-9/(1 + 1e-9)
+    9.99999999e-10
+    """
+    if abs(1 - final) > _NEAR:
+        return 1 - final
+    num, den = _exact(system)
+    return (den - num) / den
 
 
 def _rounded(system: Sampled) -> Gain[float]:

@@ -16,7 +16,7 @@ from zoh.analysis.closed import autonomous, closed_loop, continuous
 from zoh.analysis.left import farthest
 from zoh.analysis.loop import Loop
 from zoh.analysis.motion import BAND, NEAR, Motion, Track
-from zoh.analysis.rest import gains_at_rest
+from zoh.analysis.rest import gains_at_rest, short_of_1
 from zoh.analysis.results import StepInfo
 from zoh.analysis.stability import hurwitz_floats
 from zoh.analysis.waveform import Waveform
@@ -49,7 +49,8 @@ def step_info(system: Plant | Sampled) -> StepInfo:
     loop = Loop.of(system)
     if not hurwitz_floats(loop.den):
         return StepInfo(stable=False)
-    final, error = loop.num[-1] / loop.den[-1], _error(loop)
+    final = loop.num[-1] / loop.den[-1]
+    error = short_of_1(system, final)
     if isinstance(system, Sampled):
         motion, late = autonomous(system), system.delay * system.dt
         return _Seen.of(motion, motion.track(final), final, error, 1.0, late).at_samples()
@@ -67,15 +68,6 @@ def step_info(system: Plant | Sampled) -> StepInfo:
             str(system),
             "count time or the output in another unit",
         ) from None
-
-
-def _error(loop: Loop) -> float:
-    """Return 1 - num/den at w = 0, where that is near 1 of the exact coefficients."""
-    top, bottom = loop.num[-1], loop.den[-1]
-    if not bottom / 2 < top < 2 * bottom and not bottom / 2 > top > 2 * bottom:
-        return 1 - top / bottom
-    num, den = (a[-1] for a in loop.exact)
-    return (den - num) / den
 
 
 def _interval(den: Poly) -> float:
