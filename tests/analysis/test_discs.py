@@ -407,6 +407,22 @@ def test_numbers_of_stretches_add_up():
     assert told.detail == "two crossings, or none, nearer than discs tell"
 
 
+def test_signs_that_rounding_makes_beside_a_root_do_not_count():
+    """x - 2 has a slope of 1, and is clear of 0 by 0.3 or more on all but (1.8, 2.2)."""
+    part = part_of([1.0, 1.6, 1.8, 1.9, 2.0, 2.1, 2.2, 2.4, 3.0])
+
+    def told(d):
+        return next(values), np.full(d.top.shape, 0.25)
+
+    def noisy(_, x):
+        return np.where(abs(x - 2) < 0.15, np.cos(31.4 * x), x - 2)
+
+    assert (np.sign(noisy(None, part.ends)) == [-1, -1, -1, -1, 1, -1, 1, 1, 1]).all()
+    middles = (part.ends[1:] + part.ends[:-1]) / 2
+    values = iter([middles - 2, np.ones(8)])
+    assert _changes(part, told, told, noisy) == 1
+
+
 def test_a_root_between_two_intervals_is_one_change_of_sign_and_at_an_end_none():
     part = part_of([1.0, 2.0, 3.0])
 

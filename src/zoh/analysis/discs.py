@@ -220,19 +220,26 @@ def _changes(
     """Return the sign changes of a function inside a stretch; None where it is not decided.
 
     On each interval either its value keeps its sign, for what ``sure`` knows, too, or its slope
-    does. Where it is 0 at a point that two intervals share, its signs on both sides tell: it can
-    but pass there, for its slope is not 0.
+    does. From one of the former to the next it is monotonous: only theirs, and those at the
+    stretch's ends, are signs that no rounding beside a root makes.
     """
+    signed: list[Bools] = []
 
     def one_way(d: Discs) -> Bools:
         (y, r), (s, q) = value(d), slope(d)
-        kept = (np.abs(y) > r) | (np.abs(s) > q)
-        return np.asarray(kept | sure(d) if sure else kept)
+        clear = np.abs(y) > r
+        if sure:
+            clear = clear | sure(d)
+        kept = np.asarray(clear | (np.abs(s) > q))
+        signed.append(clear[kept])
+        return kept
 
     ends = decided(part, one_way)
     if ends is None:
         return None
-    x = np.unique(np.concatenate(ends))
+    a, b = ends
+    clear = np.concatenate(signed)
+    x = np.unique(np.concatenate([a[clear], b[clear], [a.min(), b.max()]]))
     signs = np.sign(at(part, x))
     signs = signs[signs != 0]
     return int(np.count_nonzero(signs[1:] != signs[:-1]))
