@@ -12,7 +12,6 @@ from zoh.analysis.stability import (
     _none_encircled,
     _slow_crossover,
     _turns,
-    _with_delay,
     closed_loop_stable,
     decided,
 )
@@ -57,19 +56,6 @@ def test_who_decides_by_the_samples_of_delay(monkeypatch):
     found, why = decided(integrator(5.0, 61))
     assert (found, why.method, why.holds) == (None, "discs", False)
     assert not closed_loop_stable(integrator(5.0, 61))
-
-
-def test_the_polynomial_of_some_samples_by_hand():
-    """(w + 4)/(w + 2) with dt = 1: p = w/2, so (2p + 4)(1 - p)^2 + (2p + 2)(1 + p)^2."""
-    found = _with_delay(z_late((1.0, 4.0), (1.0, 2.0), 2, dt=1.0), 1.0, 2)
-    wanted = np.polymul([2, 4], [1, -2, 1]) + np.polymul([2, 2], [1, 2, 1])
-    factor = found[0] / wanted[0]
-    assert factor > 0
-    assert found == [int(factor * c) for c in wanted]
-    found = _with_delay(z_late((1.0, 4.0), (1.0, 2.0), 1, dt=1.0), 1.0, 1)
-    wanted = np.polymul([2, 4], [-1, 1]) + np.polymul([2, 2], [1, 1])
-    unit = found[2] / wanted[2]
-    assert found == [int(unit * c) for c in wanted]
 
 
 def late_lag(turn):

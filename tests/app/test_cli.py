@@ -424,3 +424,22 @@ def test_the_package_itself_runs_as_a_module():
         [sys.executable, "-m", "zoh", "--version"], capture_output=True, text=True, check=True
     )
     assert zoh.__version__ in found.stdout
+
+
+@pytest.mark.parametrize("verb", ["design", "check"])
+@pytest.mark.parametrize(
+    ("model", "dt", "gain", "said"),
+    [
+        ("-1/(s+5)", 0.001, 5.0, "unstable"),  # 1 + C P is 0 at rest
+        ("s/(s+2)", 0.2, -1.0, "not proved to be stable"),  # z^2 - (1 + exp(-2 dt)) z + 1
+    ],
+)
+def test_a_loop_on_the_limit_of_stability_is_refused(model, dt, gain, said, verb, run):
+    late = dt if "2" in model else 0.0
+    code, out, err = run(
+        f'plant.model = "{model}"\nsampling.dt = {dt}\nsampling.compute_delay = {late}\n'
+        f'[[controller]]\nlaw = "given"\nnum = [{gain}]\nden = [1]\n',
+        verb=verb,
+    )
+    assert code == 1
+    assert said in out + err

@@ -221,3 +221,16 @@ def test_roots_are_isolated_however_close_they_lie(apart, high):
     if apart > 71:
         return  # the fractions have fewer digits than tell the roots apart
     assert len(set(found)) == 3
+
+
+def test_bits_that_cancel_in_a_pivot_by_hand():
+    """w^3 + a w^2 + b w + c has the pivot a b - c beside the terms a b."""
+    lost: list[int] = []
+    assert signs.hurwitz((1, 1 << 10, 1 << 10, (1 << 20) - 4), lost)  # 4 of 2^20: 3 bits of 21
+    assert lost == [18, 0]
+    lost.clear()
+    assert not signs.hurwitz((1, 1 << 10, 1 << 10, (1 << 20) + 4), lost)
+    assert lost == [18]
+    lost.clear()
+    assert signs.hurwitz((1, 3, 2), lost)  # nothing is a difference
+    assert lost == [0]

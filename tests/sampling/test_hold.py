@@ -1,6 +1,7 @@
 """sample is the exact zero-order hold, at any sample time and any dead time."""
 
 import json
+from fractions import Fraction
 from itertools import zip_longest
 from math import ceil, exp, inf, nan
 from pathlib import Path
@@ -239,3 +240,17 @@ def test_with_more_digits_an_integrator_stays_one(delay):
     with mp.workdps(100):
         q = (2 / mpf(dt) * mp.tan(mpf(dt) / 2)) ** 2
         assert abs(mpf(den[2]) / den[0] / q - 1) < mpf(2) ** -250
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.35, 2.0])
+@pytest.mark.parametrize("dt", [1e-5, 0.3])
+@pytest.mark.parametrize("hidden", ["", "(s+0.5)"])
+def test_finer_coefficients_have_the_plants_own_gain_at_rest(dt, delay, hidden):
+    plant = Plant.parse(
+        f"{hidden}(0.7 s + 0.3)/({hidden}(s^2 + 1.1 s - 7))"
+        if hidden
+        else "(0.7 s + 0.3)/(s^2 + 1.1 s - 7)"
+    )
+    num, den, _ = sample(plant, dt, delay * dt).finer.whole_w
+    gain = Fraction(plant.exact[0][-1]) / Fraction(plant.exact[1][-1])
+    assert Fraction(num[-1], den[-1]) == gain

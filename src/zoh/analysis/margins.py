@@ -24,6 +24,7 @@ from zoh.analysis.blurred import blurs, is_blurred, next_to_the_axis
 from zoh.analysis.certificates import Proof
 from zoh.analysis.close import Close
 from zoh.analysis.isolated import Isolated
+from zoh.analysis.limit import on_the_limit
 from zoh.analysis.loop import Loop
 from zoh.analysis.margin_crossings import Crossings, gain_crossings, phase_crossings
 from zoh.analysis.needles import deepest, ratio_at_end, runs_through
@@ -33,7 +34,7 @@ from zoh.analysis.rounding import doubts
 from zoh.analysis.series import out_of_range
 from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import LONG, ON_DEN, ON_NUM, ON_OPPOSITE, Below, Squares
-from zoh.analysis.stability import decided
+from zoh.analysis.stability import NEXT_TO_IT, decided, surely
 from zoh.errors import warn_of_accuracy
 from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
 from zoh.lti.systems import Plant, Sampled
@@ -92,9 +93,12 @@ def measure_loop(loop: Loop) -> Margins:
     asked = near or found.modulus_margin < _NEEDLE
     if asked and is_blurred(loop, found, near) and (finer := loop.finer()) is not loop:
         loop, found = finer, _looked_at(finer, decided(finer), near)
-    left = _unproved(found)
+    given, left = loop, _unproved(found)
     if left and (plain := loop.without_shared()) is not None:
         loop, found = plain, _looked_at(plain, decided(loop), near)
+        left = _unproved(found)
+    if found.modulus_margin < NEXT_TO_IT:
+        found = _told(found, surely(given))
         left = _unproved(found)
     numbers = [found.gain_margin, found.phase_margin_deg, found.modulus_margin, found.mt]
     if any(map(isnan, [*numbers, found.disk_margin])):
@@ -159,7 +163,15 @@ def _unproved(m: Margins) -> tuple[str, ...]:
     """Return a sentence for what the certificate leaves open: rounding, or a needle in a delay."""
     if m.certificate is None or m.certificate.holds:
         return ()
-    return (f"not proved to be complete: {', '.join(m.certificate.open())}",)
+    limit = (m.certificate.stable.detail,) if on_the_limit(m.certificate.stable) else ()
+    return (*limit, f"not proved to be complete: {', '.join(m.certificate.open())}")
+
+
+def _told(m: Margins, decision: tuple[bool | None, Proof]) -> Margins:
+    """Return the margins with this said of stability."""
+    stable, why = decision
+    proofs = None if m.certificate is None else replace(m.certificate, stable=why)
+    return replace(m, stable=stable, certificate=proofs)
 
 
 def _measured(

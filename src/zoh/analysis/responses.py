@@ -19,7 +19,7 @@ from zoh.analysis.left import farthest
 from zoh.analysis.loop import Loop
 from zoh.analysis.motion import BAND, NEAR, Motion
 from zoh.analysis.rest import gains_at_rest, under_a_load
-from zoh.analysis.stability import closed_loop_stable
+from zoh.analysis.stability import surely_stable
 from zoh.analysis.waveform import Waveform
 from zoh.errors import SpecError
 from zoh.lti.systems import Plant, Sampled
@@ -164,7 +164,7 @@ def _check_stable(plant: Plant, controller: Sampled, compute_delay: float) -> No
     if not isinstance(controller, Sampled):
         raise SpecError("controller", "must be a zoh.Sampled", controller, "give num, den and dt")
     loop = Loop.of(controller, sample(plant, controller.dt, compute_delay))
-    if not closed_loop_stable(loop):
+    if not surely_stable(loop):
         raise SpecError(
             "controller", "must make the closed loop stable", "an unstable loop", "change its gains"
         )

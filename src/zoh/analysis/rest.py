@@ -10,6 +10,7 @@ up for the error), the sums are formed of the exact coefficients, in whole numbe
 Source: K. J. Astrom and R. M. Murray, Feedback Systems, 2nd ed., ch. 12 (the gang of four).
 """
 
+from math import inf
 from typing import NamedTuple, TypeVar
 
 from zoh.lti.systems import Plant, Sampled
@@ -97,13 +98,17 @@ def _lost_ahead(p: Gain[float], c: Gain[float], f: Gain[float]) -> bool:
 def _under_a_reference(
     p: Gain[Number], c: Gain[Number], f: Gain[Number]
 ) -> tuple[float, float, float]:
-    """Return output, effort and error under a reference of 1."""
+    """Return output, effort and error under a reference of 1; infinite where L is -1."""
     closed = (c[0] * p[0] + c[1] * p[1]) * f[1]
+    if not closed:
+        return inf, inf, -inf
     path, left = c[0] * f[1] + f[0] * c[1], p[1] * f[1] - f[0] * p[0]
     return path * p[0] / closed, path * p[1] / closed, c[1] * left / closed
 
 
 def _under_a_load(p: Gain[Number], c: Gain[Number]) -> tuple[float, float]:
-    """Return output and effort under a disturbance of 1."""
+    """Return output and effort under a disturbance of 1; infinite where L is -1."""
     closed = c[0] * p[0] + c[1] * p[1]
+    if not closed:
+        return inf, -inf
     return p[0] * c[1] / closed, -c[0] * p[0] / closed

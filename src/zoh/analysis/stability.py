@@ -8,12 +8,13 @@ at.
 
 from collections.abc import Sequence
 from functools import lru_cache
-from math import comb, exp, log, log10, pi
+from math import exp, log, log10, pi
 
 import numpy as np
 
 from zoh.analysis.certificates import Proof
 from zoh.analysis.discs import unstable_zeros
+from zoh.analysis.limit import ROUTH, late, settled
 from zoh.analysis.loop import Array, Loop
 from zoh.analysis.sharp import as_v
 from zoh.analysis.squares import size
@@ -21,15 +22,46 @@ from zoh.lti import poly, signs, whole
 
 SHORT = 10  # samples of delay up to which Routh's scheme costs less than winding
 LONGEST = 60  # samples of delay up to which it is asked where winding does not tell
+NEXT_TO_IT = 1e-4  # |1 + L| below which rounding of a hold's coefficients may turn the answer
+_LOST = 8  # bits that cancel only where a loop may be next to the limit; a float has 53
+_TOLD = 0, 1, -1  # coefficients that no pivot tells of: 0 where a pole is at z = -1, at z = 1
 
 
 def closed_loop_stable(loop: Loop) -> bool:
     """Return whether 1 + L is known to have all its zeros strictly inside the stable region.
 
     A zero on the boundary is not stable. Shared factors of num and den count: a hidden mode
-    that is unstable makes the loop unstable.
+    that is unstable makes the loop unstable. What a hold has rounded is taken as it stands:
+    ``surely_stable`` asks further, and a search need not.
     """
     return decided(loop)[0] is True
+
+
+def surely_stable(loop: Loop, modulus: float | None = None) -> bool:
+    """Return whether 1 + L is known to have them there whatever a hold has rounded.
+
+    modulus  the least |1 + L|, if that is known
+    """
+    near = _may_be_next_to_it(loop) if modulus is None else modulus < NEXT_TO_IT
+    return (surely if near else decided)(loop)[0] is True
+
+
+def surely(loop: Loop) -> tuple[bool | None, Proof]:
+    """Return what ``decided`` does, of a loop that may be next to the limit of stability."""
+    found = decided(loop)
+    return settled(loop) if found[1] is ROUTH else found
+
+
+def _may_be_next_to_it(loop: Loop) -> bool:
+    """Return whether what Routh's scheme decides by has cancelled: a coefficient, or a pivot."""
+    if decided(loop)[1] is not ROUTH:
+        return False
+    num, den = late(loop, loop.exact)
+    closed, lost = whole.plus(num, den), [0]
+    signs.hurwitz(closed, lost)
+    return max(lost) > _LOST or any(
+        abs(closed[i]) << _LOST < abs(den[i]) for i in _TOLD[: len(closed)]
+    )
 
 
 @lru_cache(maxsize=8)
@@ -39,19 +71,18 @@ def decided(loop: Loop) -> tuple[bool | None, Proof]:
     That is where a delay leaves it on the boundary to within rounding.
     """
     if not loop.dead_time:
-        return signs.hurwitz(whole.plus(*loop.exact)), _ROUTH
+        return signs.hurwitz(whole.plus(*loop.exact)), ROUTH
     m = 0 if loop.dt is None else round(loop.dead_time / loop.dt)
     if loop.dt is not None and m <= SHORT:
-        return signs.hurwitz(_with_delay(loop, loop.dt, m)), _ROUTH
+        return signs.hurwitz(whole.plus(*late(loop, loop.exact))), ROUTH
     found = _none_encircled(loop)
     if found is not None:
         return found, _WINDING
     if loop.dt is not None and m <= LONGEST:
-        return signs.hurwitz(_with_delay(loop, loop.dt, m)), _ROUTH
+        return settled(loop)
     return None, _NO_PROOF
 
 
-_ROUTH = Proof(holds=True, method="Routh", detail="in whole numbers")
 _WINDING = Proof(holds=True, method="discs", detail="the zeros on the right counted by winding")
 _NO_PROOF = Proof(holds=False, method="discs", detail="on the boundary, or too near to it to tell")
 
@@ -59,18 +90,6 @@ _NO_PROOF = Proof(holds=False, method="discs", detail="on the boundary, or too n
 def hurwitz_floats(a: Sequence[float]) -> bool:
     """Return whether every root of a, its coefficients taken exactly, has a negative real part."""
     return signs.hurwitz(whole.of(a)[0][0])
-
-
-def _with_delay(loop: Loop, dt: float, m: int) -> list[int]:
-    """Return den (1+p)^m + num (1-p)^m in p = w dt/2, times a positive number."""
-    num, den = loop.exact
-    top, bottom = (dt / 2).as_integer_ratio()
-    n = len(den) - 1
-    unit = [bottom ** (n - i) * top**i for i in range(n + 1)]  # w^(n-i) = (p bottom/top)^(n-i)
-    grow = [comb(m, k) for k in range(m + 1)]
-    fall = [c if (m - k) % 2 == 0 else -c for k, c in enumerate(grow)]
-    den = whole.times([c * s for c, s in zip(den, unit, strict=True)], grow)
-    return whole.plus(den, whole.times([c * s for c, s in zip(num, unit, strict=True)], fall))
 
 
 def _none_encircled(loop: Loop) -> bool | None:

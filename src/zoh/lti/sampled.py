@@ -78,8 +78,16 @@ class Sampled:
 
     @property
     def finer(self) -> "Sampled":
-        """Return the factor with more digits in ``whole_w``; itself where no more are known."""
+        """Return the factor with more digits in ``whole_w``; itself where no more are known.
+
+        With them the gain at w = 0 is exact, a ratio of whole numbers.
+        """
         return self if self._finer is None else self._finer()
+
+    @property
+    def unsure(self) -> float:
+        """Return ``off`` where more digits are known; 0 where the coefficients are all there is."""
+        return self.off if self._finer is not None else 0.0
 
     @property
     def whole_w(self) -> Wholes:

@@ -186,7 +186,7 @@ def _positive_beyond_one(a: Whole) -> bool:
     return True
 
 
-def hurwitz(a: Whole) -> bool:
+def hurwitz(a: Whole, lost: list[int] | None = None) -> bool:
     """Return whether every root has a negative real part; a missing leading power says no.
 
     In w a leading zero is a root at infinity, z = -1, on the boundary.
@@ -195,8 +195,13 @@ def hurwitz(a: Whole) -> bool:
     Source: F. R. Gantmacher, The Theory of Matrices, vol. 2, ch. XV (Routh's scheme); R. Jeltsch,
     An optimal fraction free Routh array, Int. J. Control 30(4), 1979.
 
+    lost  a list to which the bits are added that cancel in each pivot that is a difference
+
     >>> hurwitz((1, 2, 3)), hurwitz((1, 0, 3))
     (True, False)
+    >>> lost: list[int] = []
+    >>> hurwitz((1, 1 << 20, 1, (1 << 20) - 1), lost), lost  # 1 << 20 less the last one
+    (True, [20, 0])
     """
     if len(a) == 1:
         return a[0] != 0
@@ -211,6 +216,9 @@ def hurwitz(a: Whole) -> bool:
             return False
         first, second, below = upper[0], lower[0], [*lower, 0]  # one more where it is shorter
         rest = [(second * upper[i] - first * below[i]) // divisor for i in range(1, len(upper))]
+        if lost is not None and rest:
+            terms = second.bit_length() + upper[1].bit_length() - divisor.bit_length()
+            lost.append(terms - rest[0].bit_length())
         divisor, next_one = next_one, second
         upper, lower = lower, rest
     return True

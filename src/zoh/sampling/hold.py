@@ -20,6 +20,7 @@ z-Transform Method (modified z-transform).
 """
 
 from decimal import MAX_EMAX, MIN_EMIN, Context, Decimal
+from fractions import Fraction
 from functools import lru_cache, partial
 from math import ceil, ulp
 from typing import overload
@@ -41,7 +42,7 @@ from zoh.sampling.rounding import with_a_gain
 
 MAX_DELAY = 10_000  # samples; a loop that waits longer is not a feedback loop
 _NOTHING = 256  # bits beyond all that was lost: no true coefficient is anywhere near as small
-_FINE = 256  # bits of a coefficient in w where a mode has next to no damping
+_FINE = 256  # bits of a coefficient in w beside an undamped mode or the limit of stability
 _NOW: Ratio = (0, 1)
 _ONE = Decimal(1)
 KEPT = Context(prec=digits.KEPT, Emax=MAX_EMAX, Emin=MIN_EMIN)  # of a delay's fraction
@@ -114,12 +115,21 @@ def _finer(what: Held) -> Sampled:
     exact, *_ = what
     apart = Apart.of(*exact)
     found = _sharing(*map(_whole, _parted(what, apart))) if apart else _whole(what)
-    return _held(*what).holding(found, 2.0 ** (1 - _FINE))
+    return _held(*what).holding(found, 2.0 ** (2 - _FINE))
 
 
 def _whole(what: Held) -> Wholes:
+    """Return the w-form with 256 bits, the gain at w = 0 exact: it is the plant's own."""
+    (num, den), sensor, dt, *_ = what
     forms, _ = _forms(what, _FINE)
-    return forms.whole(what[2], _FINE)
+    top, bottom, unit = forms.whole(dt, _FINE)
+    if not (top[-1] and bottom[-1]):  # a zero or a pole there, by structure
+        return top, bottom, unit
+    gain = Fraction(num[-1]) * Fraction(sensor) / Fraction(den[-1])
+    up, down = gain.as_integer_ratio()
+    at_rest = bottom[-1] * up
+    top, bottom = ([c * down for c in a] for a in (top, bottom))
+    return [*top[:-1], at_rest], bottom, unit * down
 
 
 def _parted(what: Held, apart: Apart) -> tuple[Held, Held]:
