@@ -114,7 +114,7 @@ def closed_in(a: Array, low: Array, high: Array, x: Array, last: float = _LAST) 
             new = np.where(inside, newton, np.sqrt(low) * np.sqrt(high))
             step = np.abs(new - x)
             x = np.where(open_, new, x)
-            open_ &= (step > last * x) & (high > low * (1 + _CLOSE))
+            open_ &= (~inside | (step > last * x)) & (high > low * (1 + _CLOSE))
             left = np.count_nonzero(open_)
             if not left:
                 break

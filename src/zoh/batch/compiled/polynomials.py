@@ -109,10 +109,11 @@ def closed_in(a: Array, n: int, low: float, high: float, x: float, rising: bool)
         else:
             high = x
         new = x - f / slope
-        if not (low < new < high) or 2.0 * abs(new - x) > last:
+        by_newton = low < new < high and 2.0 * abs(new - x) <= last
+        if not by_newton:
             new = sqrt(low) * sqrt(high)
         last = abs(new - x)
-        if last <= _LAST * x or high <= low * (1.0 + 1e-15):
+        if (by_newton and last <= _LAST * x) or high <= low * (1.0 + 1e-15):
             return new
         x = new
     return x

@@ -14,6 +14,7 @@ from zoh.batch.compiled.room import NOTES, SIDES
 from zoh.batch.tolerances import DOUBLE, GRID
 
 _LAST = 1e-6  # relative: the error after a Newton's step as small as this is its square
+_CLOSED = 1e-15  # relative: a bracket with nothing left in it
 _STEPS = 100
 # rows of the room: where a quotient is least, in which bracket, how far that moved last, 1.0 where
 # it still moves, and 1.0 where it ended by Newton's method in a valley
@@ -105,7 +106,8 @@ def nearer(w: int) -> bool:
         valley = 1.0 if by_newton & int(bend > 0.0) else 0.0
         room[VALLEY, i] = valley if moves > 0.0 else room[VALLEY, i]
         room[_LOW, i], room[_HIGH, i], room[_MOVED, i], room[Q, i] = low, high, abs(by), q + by
-        on = int(abs(by) > _LAST * q)
+        far_by = int(abs(by) > _LAST * q) | 1 - by_newton  # a half of little is not the end
+        on = far_by & int(high > low * (1.0 + _CLOSED)) & int(moves > 0.0)
         room[_MOVES, i] = 1.0 if on else 0.0
         far |= on
     return far != 0
