@@ -406,3 +406,53 @@ def test_a_crest_that_is_90_percent_high_for_less_than_a_stride_ends_the_rise(be
     truth = rise_in_30_digits(gain, dt)
     for found in (single.run(job, columns), *fast(job, columns)):
         assert found["rise_time"][0] == truth
+
+
+NARROW = [  # dt, samples of delay, gain of the plant, gain of the controller
+    (0.006003089532626517, 0.5, 0.24409277094113924, 0.053752093413025295),
+    (0.0004592418667064479, 0.3, 0.5140631652594367, 3.674954151892555),
+]
+
+
+@pytest.mark.parametrize(("dt", "late", "gain", "k"), NARROW)
+def test_a_narrow_peak_of_t_is_met_to_its_last_digits(dt, late, gain, k):
+    """A tiny step of Newton's is followed by halvings from afar: the last of them is no end."""
+    pytest.importorskip("numba", reason="the compiled arithmetic needs numba: zoh[fast]")
+    from zoh.batch.compiled import run as compiled
+
+    controller = zoh.Sampled(num=[k, -0.875 * k], den=[1, -0.7], dt=0.1)
+    columns = {"dt": np.array([dt]), "compute_delay": np.array([late * dt])}
+    columns["plant.gain"] = np.array([gain])
+    job = Job(
+        plant=zoh.Plant(num=[1.0], den=[1.0, 0.0, 0.0]), law="given", controller=controller,
+        dt=0.1, varying=tuple(columns),
+    )  # fmt: skip
+    truth = highest_t(mpmath.mpf(dt), mpmath.mpf(late * dt), gain, controller)
+    for way in (arrays, compiled):
+        assert way.run(job, columns)["mt"][0] == pytest.approx(truth, rel=1e-9)
+
+
+def highest_t(dt, delay, gain, controller):
+    """Return max |T| of a double integrator in 50 digits, by a grid and thirds.
+
+    Held for dt - delay it moves by the last input, before that by the one before.
+    """
+    with mpmath.workdps(50):
+        last = dt - delay
+        num, den = ([mpmath.mpf(c) for c in a] for a in (controller.num, controller.den))
+
+        def size(w):
+            z = mpmath.expj(w * dt)
+            # x1 moves by x2 dt + u last^2/2 + u_1 (dt^2 - last^2)/2, x2 by u last + u_1 delay
+            speed = (last + delay / z) / (z - 1)
+            place = (dt * speed + last**2 / 2 + (dt**2 - last**2) / 2 / z) / (z - 1)
+            loop = gain * place * (num[0] * z + num[1]) / (den[0] * z + den[1])
+            return abs(loop / (1 + loop))
+
+        grid = [mpmath.mpf(10) ** (mpmath.mpf(i) / 500) * 1e-5 / dt for i in range(2600)]
+        best = max(range(1, len(grid) - 1), key=lambda i: size(grid[i]))
+        low, high = grid[best - 1], grid[best + 1]
+        for _ in range(120):
+            left, right = (2 * low + high) / 3, (low + 2 * high) / 3
+            low, high = (left, high) if size(left) < size(right) else (low, right)
+        return float(size(low))
