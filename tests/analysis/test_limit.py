@@ -6,7 +6,7 @@ from math import inf, nextafter
 import numpy as np
 import pytest
 
-from zoh.analysis.limit import late, on_the_limit, settled
+from zoh.analysis.limit import late, says_on_the_limit, settled
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import margins, measure_loop
 from zoh.analysis.responses import noise_gains, response
@@ -79,7 +79,7 @@ def test_a_pair_on_the_circle_is_not_proved(a, dt):
     with pytest.warns(AccuracyWarning, match="on the limit of stability to 7. digits: a pole is"):
         found = measure(plant, controller, compute_delay=delay)
     assert found.margins.stable is None
-    assert on_the_limit(found.margins.certificate.stable)
+    assert says_on_the_limit(found.margins.certificate.stable)
     assert found.step is None
     assert found.margins.warnings[1] == "not proved to be complete: stable"
     with pytest.raises(NotMet, match="not proved to be stable"):
@@ -175,3 +175,32 @@ def test_the_polynomial_of_some_samples_by_hand():
     wanted = np.polymul([2, 4], [-1, 1]) + np.polymul([2, 2], [1, 1])
     unit = found[2] / wanted[2]
     assert found == [int(unit * c) for c in wanted]
+
+
+@pytest.mark.parametrize("dt", [0.01, 0.1, 0.3, 0.5])
+def test_an_undamped_mode_that_is_hidden_is_not_stable(dt):
+    """(s^2 + 4)(s + 1) is in num and den: |1 + L| is 0.75, and a pole stays at +-2j."""
+    plant = Plant.parse("((s^2+4)*(s+1))/((s^2+4)*(s+1)*(s+3))")
+    loop = Loop.of(p(1.0, dt), sample(plant, dt))
+    assert surely(loop)[0] is not True
+    assert margins(p(1.0, dt) * sample(plant, dt)).stable is not True
+    with pytest.raises(NotMet, match="the closed loop is"):
+        verify(plant, p(1.0, dt))
+
+
+def test_what_floats_share_by_chance_is_asked_again():
+    """A controller whose zeros are the rounded poles of a held 1/(s^2 + 1): 1 + L is L's own."""
+    held = sample(Plant(num=[1.0], den=[1.0, 0.0, 1.0]), 0.1)
+    controller = Sampled.from_w(num_w=held.den_w, den_w=[1.0, 10.0, 25.0], dt=0.1)
+    loop = Loop.of(controller, held)
+    assert surely(loop)[0] is settled(loop)[0]
+    assert settled(loop)[0] is True  # the poles of the controller's own den, and next to the circle
+
+
+@pytest.mark.parametrize(("gain", "stable"), [(-1e-17, True), (1e-17, False)])
+def test_a_loop_beside_an_undamped_mode_is_next_to_the_limit_with_a_large_modulus(gain, stable):
+    """The pole at j moves by -gain/(2j (j + 1)), to the left where the gain is below 0."""
+    plant = Plant.parse("1/((s^2+1)*(s+1))")
+    found = measure(plant, p(gain, 0.1)).margins
+    assert found.modulus_margin > 0.7
+    assert found.stable is stable

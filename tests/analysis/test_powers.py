@@ -80,8 +80,10 @@ def test_six_lags_with_five_leads_have_the_figures_of_ninety_digits():
     assert design.step.settling_time == pytest.approx(2.8, rel=1e-15)
 
 
-def powers(delta, own, wholly=False):
-    return Powers(delta=np.array(delta), own=own, whose="controller", wholly=wholly)
+def powers(delta, own, seen=None, wholly=False):
+    """Return powers of which all states are seen where ``seen`` is left out."""
+    seen = np.eye(len(delta)) if seen is None else np.array(seen)
+    return Powers(delta=np.array(delta), own=own, seen=seen, whose="controller", wholly=wholly)
 
 
 def test_powers_are_squares_of_squares():
@@ -93,8 +95,8 @@ def test_powers_are_squares_of_squares():
 @pytest.mark.parametrize("wholly", [False, True])
 def test_a_sum_of_squares_by_hand(wholly):
     # 1 + 1/4 + 1/16 ... of the state, 4 times that of twice the state
-    one = powers([[-0.5]], 1, wholly)
-    found = one.sum_of_squares(np.array([1.0]), np.array([[1.0], [2.0]]))
+    one = powers([[-0.5]], 1, [[1.0], [2.0]], wholly)
+    found = one.sum_of_squares(np.array([1.0]))
     assert found == pytest.approx([4 / 3, 16 / 3], rel=1e-15)
 
 
@@ -105,16 +107,28 @@ def test_a_state_made_of_far_more_than_itself_is_followed_in_whole_numbers():
     start = np.array([1.0, 1.0, 1.0])
     for one in (few, many):
         one.run(start, 2)
-    assert not few.lost(start[:, None], 2)  # three have no room for more than that
-    assert many.lost(start[:, None], 2)
+    assert not few.gives_up_floats(start[:, None], 2)  # three have no room for more than that
+    assert many.gives_up_floats(start[:, None], 2)
     assert many.wholly
-    assert not many.lost(start[:, None], 2)
+    assert not many.gives_up_floats(start[:, None], 2)
+
+
+def test_a_state_that_nothing_is_seen_of_may_be_made_of_more():
+    # x0 halves and is 1e6; x1 is 1e-3 of noise beside it, and y = x0 + x1
+    delta = [[-0.5, 0.0, 0.0, 0.0], [1e-3, -0.5, 1e3, -1e3], [0, 0, -0.5, 0], [0, 0, 0, -0.5]]
+    start = np.array([1e6, 1.0, 1.0, 1.0])
+    for seen, given_up in (([[1.0, 1.0, 0.0, 0.0]], False), ([[0.0, 1.0, 0.0, 0.0]], True)):
+        one = powers(delta, 4, seen)
+        one.run(start, 2)
+        assert one.gives_up_floats(start[:, None], 2) is given_up
 
 
 def test_what_no_float_follows_is_refused():
+    # what is stepped to in whole numbers is exact; so many samples are not
     one = powers([[-0.5, 1e10], [0.0, -0.5]], 2, wholly=True)
+    assert not one.gives_up_floats(np.ones((2, 2)), 2)
     with pytest.raises(zoh.SpecError) as err:
-        one.lost(np.ones((2, 1)), 2)
+        one.gives_up_floats(np.ones((2, 1_000_000)), 2)
     assert str(err.value) == (
         "controller must have a response that can be followed in 64-bit floats, got "
         "'2 states that swing each other up': use fewer sections, or spread them wider"

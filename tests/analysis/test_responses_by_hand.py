@@ -201,12 +201,11 @@ def test_an_unstable_loop_is_refused_in_words(ask):
     assert zoh.noise_gains(INTEGRATOR, HALF) == pytest.approx((sqrt(1 / 3), sqrt(1 / 3)), rel=1e-13)
 
 
-def test_the_sum_of_squares_of_a_state_and_of_what_drives_it():
-    # Z = (x, r, 1), x(k+1) = x/2 + r/2 here: sum of x^2 is (1/4)/(1 - 1/4), of r^2 1, of x r 0
+def test_the_sum_of_squares_of_output_and_effort_by_hand():
+    # x(k+1) = x/2 + r/2, r 1 at k = 0 alone: y = x, u = (r - x)/2; 1/3, and 1/4 + (1/4)(1/3)
     motion = closed_loop(INTEGRATOR, HALF, by="impulse")
-    rows = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]])
-    squares = motion.powers.sum_of_squares(np.array([0.0, 1.0, 0.0]), rows)
-    assert squares == pytest.approx([1 / 3, 1.0, 4 / 3], rel=1e-14)
+    start = np.array([0.0, 1.0, 0.0])  # (x, r, 1), the 1 left out
+    assert motion.powers.sum_of_squares(start) == pytest.approx([1 / 3, 1 / 3], rel=1e-14)
 
 
 def test_a_late_loop_whose_effort_grows_is_waited_for_all_the_same():

@@ -24,7 +24,7 @@ from zoh.analysis.blurred import blurs, is_blurred, next_to_the_axis
 from zoh.analysis.certificates import Proof
 from zoh.analysis.close import Close
 from zoh.analysis.isolated import Isolated
-from zoh.analysis.limit import on_the_limit
+from zoh.analysis.limit import says_on_the_limit
 from zoh.analysis.loop import Loop
 from zoh.analysis.margin_crossings import Crossings, gain_crossings, phase_crossings
 from zoh.analysis.needles import deepest, ratio_at_end, runs_through
@@ -34,7 +34,7 @@ from zoh.analysis.rounding import doubts
 from zoh.analysis.series import out_of_range
 from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import LONG, ON_DEN, ON_NUM, ON_OPPOSITE, Below, Squares
-from zoh.analysis.stability import NEXT_TO_IT, decided, surely
+from zoh.analysis.stability import decided, next_to_it, surely
 from zoh.errors import warn_of_accuracy
 from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
 from zoh.lti.systems import Plant, Sampled
@@ -97,7 +97,7 @@ def measure_loop(loop: Loop) -> Margins:
     if left and (plain := loop.without_shared()) is not None:
         loop, found = plain, _looked_at(plain, decided(loop), near)
         left = _unproved(found)
-    if found.modulus_margin < NEXT_TO_IT:
+    if next_to_it(given, found.modulus_margin):
         found = _told(found, surely(given))
         left = _unproved(found)
     numbers = [found.gain_margin, found.phase_margin_deg, found.modulus_margin, found.mt]
@@ -163,7 +163,7 @@ def _unproved(m: Margins) -> tuple[str, ...]:
     """Return a sentence for what the certificate leaves open: rounding, or a needle in a delay."""
     if m.certificate is None or m.certificate.holds:
         return ()
-    limit = (m.certificate.stable.detail,) if on_the_limit(m.certificate.stable) else ()
+    limit = (m.certificate.stable.detail,) if says_on_the_limit(m.certificate.stable) else ()
     return (*limit, f"not proved to be complete: {', '.join(m.certificate.open())}")
 
 

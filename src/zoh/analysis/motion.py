@@ -90,7 +90,10 @@ class Motion:
 
     def __post_init__(self) -> None:
         whose = "system" if self.effort is None else "controller"
-        powers = Powers(delta=self.delta, own=self.own, whose=whose, wholly=self.swings)
+        rows = [self.output] if self.effort is None else [self.output, self.effort]
+        powers = Powers(
+            delta=self.delta, own=self.own, seen=np.array(rows), whose=whose, wholly=self.swings
+        )  # fmt: skip
         object.__setattr__(self, "powers", powers)
 
     def run(self, first: Array, count: int, doublings: int = 0, slowest: float = 0.0) -> Array:
@@ -103,7 +106,7 @@ class Motion:
     def from_start(self, count: int) -> Array:
         """Return ``count`` columns, Z at every sample from the start on."""
         states = self.run(self.start, count)
-        if self.powers.lost(states, count):
+        if self.powers.gives_up_floats(states, count):
             states = self.run(self.start, count)
         return states
 
@@ -149,7 +152,7 @@ class Motion:
             zs.append(states[:, :-1])
             k, z, shown = k + stride * count, states[:, -1], shown + count
         states = np.concatenate(zs, axis=1)
-        if self.powers.lost(states, k):
+        if self.powers.gives_up_floats(states, k):
             return self._followed(final)
         return Track(
             k=np.concatenate(ks), states=states, horizon=k - stride,

@@ -7,21 +7,26 @@ Source: N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., s
 a matrix in floats).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import inf
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from zoh.analysis.loop import Array
 from zoh.errors import SpecError
 
+Mask = npt.NDArray[np.bool_]
+
 _BITS = 320  # of the powers of what swings: those of a float, and what they grow by, squared
 _EXPONENTS = 1023  # octaves above 1 that a float has
-_FEW = 4  # states that have no room to swing each other up
+_FEW = 3  # states that have no room to swing each other up
 _SWINGS = 64.0  # of its size a state is made of: so far floats square it and keep 11 digits
-_SWUNG_UP = 1e9  # of its size a state is made of: followed sample by sample, it has 7 digits
+_SWUNG_UP = 1e8  # of its size what is seen is made of: floats leave 8 digits of it
+_WORTH = 3_000_000  # products of whole numbers, half a second; a chain of delays needs more
 _PLAIN = 1e-3  # a decay per step that I + S holds to 13 digits: S by itself need not be kept
 _ALONE = 1 << 18  # multiplications that OpenBLAS does not share out among threads
 _DOUBLINGS = 200  # of the terms of a sum
@@ -33,17 +38,19 @@ class Powers:
     """The powers of I + delta, delta of shape (N, N).
 
     own     how many of the N states are the system's; the others are what drives it
+    seen    rows on Z, shape (R, N): what is asked of the motion
     whose   what a refusal calls it
     wholly  whether powers are had in whole numbers
     """
 
     delta: Array
     own: int
+    seen: Array
     whose: str
     wholly: bool = False
     _small: list[Array] = field(default_factory=list, repr=False)
     _wholes: list[Any] = field(default_factory=list, repr=False)
-    _taken: list[Array] = field(default_factory=list, repr=False)
+    _taken: dict[int, Array] = field(default_factory=dict, repr=False)
 
     def small(self, i: int) -> Array:
         """Return S with Z(k + 2^i) = Z(k) + S Z(k), in floats."""
@@ -81,68 +88,110 @@ class Powers:
         out = np.empty((count, len(first)))  # a row a sample: what is next to come is one block
         out[0], done, step = first, 1, None
         if self.wholly:  # one after the other: of a longer way the roundings swing up, too
-            whole = self._rounded(doublings)
-            for here, there in pairwise(out):
-                here.dot(whole, out=there)
+            self._step_wholly(out, doublings)
             return out.T
         while done < count:
             after = min(2 * done, count)
             known, block = out[: after - done], out[done:after]
             if slowest * (1 << doublings) < _PLAIN:
                 moved = self.small(doublings).T
-                self._taken.append(moved)
+                self._taken[doublings] = moved
                 _products(known, moved, block)
                 block += known
             else:
                 step = _one_and(self.small(doublings)) if step is None else step.dot(step)
-                self._taken.append(step)
+                self._taken[doublings] = step
                 _products(known, step, block)
             done, doublings = after, doublings + 1
         return out.T
 
-    def lost(self, states: Array, count: int) -> bool:
+    def _exact(self, size: int) -> bool:
+        """Return whether so many numbers are stepped to in whole numbers."""
+        return size * len(self.delta) <= _WORTH
+
+    def _step_wholly(self, out: Array, doublings: int) -> None:
+        """Write rows after the first, each 2^doublings samples after the one before it."""
+        if not self._exact(out.size):
+            step = self._rounded(doublings)
+            for here, there in pairwise(out):
+                here.dot(step, out=there)
+            return
+        z, s, one = _whole(out[0]), self.whole(doublings), 1 << _BITS
+        try:
+            for there in out[1:]:
+                z = z + (s.dot(z) >> _BITS)
+                there[:] = [x / one for x in z]
+        except OverflowError:
+            raise self.swung_up() from None
+
+    def gives_up_floats(self, states: Array, count: int) -> bool:
         """Return whether floats have lost digits of states, shape (N, K), within so many samples.
 
         From then on powers are had in whole numbers: what was had in floats is to be had again.
         Raises SpecError where that, too, is in vain.
         """
-        if self.own <= _FEW and not self.wholly:
-            return False
         if self.wholly:
-            self.whole(count.bit_length() - 1)
-        swings = self._swing_by(np.abs(states).max(axis=1))
-        if self.wholly and not swings < _SWUNG_UP:
-            raise self.swung_up()
-        lost = not (self.wholly or swings < _SWINGS)
-        self.wholly = self.wholly or lost
-        return lost
+            swings = self._left_of(states)
+            if not self._exact(states.size):
+                self.whole(count.bit_length() - 1)
+                swings = max(swings, self._swing_by(states))
+            if not swings < _SWUNG_UP:
+                raise self.swung_up()
+        elif self.own > _FEW:
+            self.wholly = not self._swing_by(states) < _SWINGS
+            return self.wholly
+        return False
 
-    def _swing_by(self, reach: Array) -> float:
+    def _left_of(self, states: Array) -> float:
+        """Return how many times its size what is seen of exact states is made of, in floats."""
+        reach, sizes = np.abs(states).max(axis=1), np.abs(self.seen.dot(states)).max(axis=1)
+        return float((np.abs(self.seen).dot(reach) / np.where(sizes > 0, sizes, inf)).max())
+
+    def _swing_by(self, states: Array) -> float:
         """Return how many times its own size a state is made of on its way, at most.
 
-        A rounding of what it is made of is so many roundings of the state.
+        A rounding of what it is made of is so many roundings of the state: see ``_shown`` for
+        where that is no loss.
         """
+        reach = np.abs(states).max(axis=1)
+        return self._most(reach, lambda: np.abs(self.seen.dot(states)).max(axis=1))
+
+    def _most(self, reach: Array, sizes: Callable[[], Array]) -> float:
+        """Return what ``_swing_by`` does of states and of rows that reach so far."""
         if not reach.sum() < inf:
             return inf
         there = reach > 0
-        ways = self._taken
+        ways = [*self._taken.values()]
         if self.wholly:
             ways = [self._rounded(i) for i in range(len(self._wholes))]
         if not ways or not there.any():
             return 0.0
-        made_of = reach[there].dot(np.abs(np.array(ways))[:, there][:, :, there])
-        return float((made_of / reach[there]).max())
+        way = np.array(ways)
+        made_of = reach[there].dot(np.abs(way)[:, there][:, :, there]).max(axis=0)
+        swings = float((made_of / reach[there]).max())
+        if swings < _SWINGS:
+            return swings
+        return min(swings, float(self._shown(way, there, made_of, sizes())))
 
-    def sum_of_squares(self, start: Array, rows: Array) -> Array:
-        """Return sum over k of (r Z(k))^2 for each row r, Z(0) = ``start``, by doubling the terms.
+    def _shown(self, way: Array, there: Mask, made_of: Array, sizes: Array) -> float:
+        """Return how many times its size what is seen is made of, now and a way later."""
+        later = [np.eye(len(there)), *way, *(way + np.eye(len(there)))]
+        most = np.abs(np.array([w.dot(self.seen.T) for w in later])).max(axis=0)
+        shown = (most[there] * made_of[:, None]).max(axis=0)
+        return float((shown / np.where(sizes > 0, sizes, inf)).max())
 
-        ``start`` has nothing of what drives the motion for ever.
+    def sum_of_squares(self, start: Array) -> Array:
+        """Return sum over k of (r Z(k))^2 for each row r that is seen, Z(0) = ``start``.
+
+        By doubling the number of terms. ``start`` has nothing of what drives the motion for ever.
         """
-        if not self.wholly:
-            total = self._sum_in_floats(start)
-            if not self.lost(np.sqrt(np.abs(total.diagonal()))[:, None], 1):
-                return np.asarray(np.einsum("ij,jk,ik->i", rows, total, rows))
-        return self._sum_in_wholes(start, rows)
+        known, self.wholly = self.wholly, False
+        total = self._sum_in_floats(start)
+        squares = np.asarray(np.einsum("ij,jk,ik->i", self.seen, total, self.seen))
+        reach, sizes = np.sqrt(np.abs(total.diagonal())), np.sqrt(np.abs(squares))
+        enough = self.own <= _FEW or self._most(reach, lambda: sizes) < _SWINGS
+        self.wholly = known
+        return squares if enough else self._sum_in_wholes(start)
 
     def _sum_in_floats(self, start: Array) -> Array:
         """Return sum over k of Z(k) Z(k)'."""
@@ -150,7 +199,7 @@ class Powers:
         with np.errstate(over="ignore", invalid="ignore"):  # what comes of it is seen to be lost
             for i in range(_DOUBLINGS):
                 s = self.small(i)
-                self._taken.append(s.T)
+                self._taken[i] = s.T
                 moved = total + s @ total
                 added = moved + moved @ s.T
                 # each state beside its own sum: a weak loop moves its plant by next to nothing
@@ -159,9 +208,9 @@ class Powers:
                 total = total + added
         return total
 
-    def _sum_in_wholes(self, start: Array, rows: Array) -> Array:
+    def _sum_in_wholes(self, start: Array) -> Array:
         """Return what ``sum_of_squares`` does, exact but for where 2^-_BITS ends."""
-        z, by_row = _whole(start[:, None]), _whole(rows)
+        z, by_row = _whole(start[:, None]), _whole(self.seen)
         total = z.dot(z.T)  # in units of 2^(-2 _BITS)
         for i in range(_DOUBLINGS):
             s = self.whole(i)

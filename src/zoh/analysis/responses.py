@@ -141,7 +141,7 @@ def noise_gains(
         return output, effort_size
     start = motion.start.copy()
     start[-1] = 0.0  # the constant is no part of an impulse's answer
-    squares = motion.powers.sum_of_squares(start, np.array([motion.output, effort]))
+    squares = motion.powers.sum_of_squares(start)
     output, effort_size = np.sqrt(np.maximum(squares, 0.0)).tolist()
     return output, effort_size
 

@@ -87,7 +87,8 @@ def _exact(system: Plant | Sampled) -> Gain[int]:
 
 def _cancels(x: float, y: float) -> bool:
     """Return whether the sum has lost more than two of its terms' bits."""
-    return abs(x + y) < _LOST * (abs(x) + abs(y))
+    size = abs(x) + abs(y)
+    return not (0 < size < inf and abs(x + y) >= _LOST * size)
 
 
 def _lost_ahead(p: Gain[float], c: Gain[float], f: Gain[float]) -> bool:

@@ -42,8 +42,7 @@ def surely_stable(loop: Loop, modulus: float | None = None) -> bool:
 
     modulus  the least |1 + L|, if that is known
     """
-    near = _may_be_next_to_it(loop) if modulus is None else modulus < NEXT_TO_IT
-    return (surely if near else decided)(loop)[0] is True
+    return (surely if next_to_it(loop, modulus) else decided)(loop)[0] is True
 
 
 def surely(loop: Loop) -> tuple[bool | None, Proof]:
@@ -52,7 +51,16 @@ def surely(loop: Loop) -> tuple[bool | None, Proof]:
     return settled(loop) if found[1] is ROUTH else found
 
 
-def _may_be_next_to_it(loop: Loop) -> bool:
+def next_to_it(loop: Loop, modulus: float | None = None) -> bool:
+    """Return whether a loop may be next to the limit of stability.
+
+    modulus  the least |1 + L|, if that is known: beside an undamped or a hidden mode it may be 1
+    """
+    return (modulus is not None and modulus < NEXT_TO_IT) or _has_cancelled(loop)
+
+
+@lru_cache(maxsize=8)
+def _has_cancelled(loop: Loop) -> bool:
     """Return whether what Routh's scheme decides by has cancelled: a coefficient, or a pivot."""
     if decided(loop)[1] is not ROUTH:
         return False

@@ -111,7 +111,10 @@ def _held(
 
 @lru_cache(maxsize=8)
 def _finer(what: Held) -> Sampled:
-    """Return the plant held, its w-coefficients with the digits that an undamped mode asks for."""
+    """Return the plant held, its w-coefficients with the digits that an undamped mode asks for.
+
+    Or the limit of stability. A common factor of the two gains at rest costs one bit.
+    """
     exact, *_ = what
     apart = Apart.of(*exact)
     found = _sharing(*map(_whole, _parted(what, apart))) if apart else _whole(what)
