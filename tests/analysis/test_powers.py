@@ -107,7 +107,7 @@ def test_a_state_made_of_far_more_than_itself_is_followed_in_whole_numbers():
     start = np.array([1.0, 1.0, 1.0])
     for one in (few, many):
         one.run(start, 2)
-    assert not few.gives_up_floats(start[:, None], 2)  # three have no room for more than that
+    assert not few.gives_up_floats(start[:, None], 2)  # three have little room for that
     assert many.gives_up_floats(start[:, None], 2)
     assert many.wholly
     assert not many.gives_up_floats(start[:, None], 2)
@@ -118,7 +118,7 @@ def test_a_state_that_nothing_is_seen_of_may_be_made_of_more():
     delta = [[-0.5, 0.0, 0.0, 0.0], [1e-3, -0.5, 1e3, -1e3], [0, 0, -0.5, 0], [0, 0, 0, -0.5]]
     start = np.array([1e6, 1.0, 1.0, 1.0])
     for seen, given_up in (([[1.0, 1.0, 0.0, 0.0]], False), ([[0.0, 1.0, 0.0, 0.0]], True)):
-        one = powers(delta, 4, seen)
+        one = powers(delta, 5, seen)
         one.run(start, 2)
         assert one.gives_up_floats(start[:, None], 2) is given_up
 

@@ -14,16 +14,13 @@ from math import inf
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from zoh.analysis.loop import Array
 from zoh.errors import SpecError
 
-Mask = npt.NDArray[np.bool_]
-
 _BITS = 320  # of the powers of what swings: those of a float, and what they grow by, squared
 _EXPONENTS = 1023  # octaves above 1 that a float has
-_FEW = 3  # states that have no room to swing each other up
+_FEW = 4  # states have little room to swing each other up: two leads on 1/s^2 lost 8e-9 at most
 _SWINGS = 64.0  # of its size a state is made of: so far floats square it and keep 11 digits
 _SWUNG_UP = 1e8  # of its size what is seen is made of: floats leave 8 digits of it
 _WORTH = 3_000_000  # products of whole numbers, half a second; a chain of delays needs more
@@ -145,7 +142,7 @@ class Powers:
     def _left_of(self, states: Array) -> float:
         """Return how many times its size what is seen of exact states is made of, in floats."""
         reach, sizes = np.abs(states).max(axis=1), np.abs(self.seen.dot(states)).max(axis=1)
-        return float((np.abs(self.seen).dot(reach) / np.where(sizes > 0, sizes, inf)).max())
+        return _times(np.abs(self.seen).dot(reach), sizes)
 
     def _swing_by(self, states: Array) -> float:
         """Return how many times its own size a state is made of on its way, at most.
@@ -158,27 +155,22 @@ class Powers:
 
     def _most(self, reach: Array, sizes: Callable[[], Array]) -> float:
         """Return what ``_swing_by`` does of states and of rows that reach so far."""
-        if not reach.sum() < inf:
-            return inf
-        there = reach > 0
         ways = [*self._taken.values()]
         if self.wholly:
             ways = [self._rounded(i) for i in range(len(self._wholes))]
-        if not ways or not there.any():
+        if not float(reach.max()) < inf:
+            return inf
+        if not ways:
             return 0.0
-        way = np.array(ways)
-        made_of = reach[there].dot(np.abs(way)[:, there][:, :, there]).max(axis=0)
-        swings = float((made_of / reach[there]).max())
-        if swings < _SWINGS:
-            return swings
-        return min(swings, float(self._shown(way, there, made_of, sizes())))
+        made_of = reach.dot(np.abs(np.array(ways))).max(axis=0)
+        swings = _times(made_of, reach)
+        return swings if swings < _SWINGS else min(swings, self._shown(ways, made_of, sizes()))
 
-    def _shown(self, way: Array, there: Mask, made_of: Array, sizes: Array) -> float:
+    def _shown(self, ways: list[Array], made_of: Array, sizes: Array) -> float:
         """Return how many times its size what is seen is made of, now and a way later."""
-        later = [np.eye(len(there)), *way, *(way + np.eye(len(there)))]
-        most = np.abs(np.array([w.dot(self.seen.T) for w in later])).max(axis=0)
-        shown = (most[there] * made_of[:, None]).max(axis=0)
-        return float((shown / np.where(sizes > 0, sizes, inf)).max())
+        one = np.eye(len(made_of))
+        later = [self.seen.dot(w.T) for w in (one, *ways, *(w + one for w in ways))]
+        return _times(np.abs(np.array(later)).max(axis=0).dot(made_of), sizes)
 
     def sum_of_squares(self, start: Array) -> Array:
         """Return sum over k of (r Z(k))^2 for each row r that is seen, Z(0) = ``start``.
@@ -189,7 +181,7 @@ class Powers:
         total = self._sum_in_floats(start)
         squares = np.asarray(np.einsum("ij,jk,ik->i", self.seen, total, self.seen))
         reach, sizes = np.sqrt(np.abs(total.diagonal())), np.sqrt(np.abs(squares))
-        enough = self.own <= _FEW or self._most(reach, lambda: sizes) < _SWINGS
+        enough = self._most(reach, lambda: sizes) < _SWINGS
         self.wholly = known
         return squares if enough else self._sum_in_wholes(start)
 
@@ -233,6 +225,11 @@ class Powers:
             f"{self.own} states that swing each other up",
             "use fewer sections, or spread them wider",
         )
+
+
+def _times(parts: Array, sizes: Array) -> float:
+    """Return how many times a size its parts are, at most; what is nothing has none."""
+    return float((parts / np.where(sizes > 0, sizes, inf)).max())
 
 
 def _whole(s: Array) -> Any:
