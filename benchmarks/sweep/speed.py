@@ -8,8 +8,9 @@ their spacing. The floor is ``floor.c``, one loop after the other in plain C for
 figures to the same digits, checked against zoh's here, but it is given what zoh finds out and
 proves nothing, and is right of the nominal loops alone.
 Nominal loops are an arm's, K, a, wc within 20 %; of the wide ones, with dt over four decades, half
-cannot be designed, and the peers are given others. Everything takes turns; printed are least
-times of one loop in us, CPU time but where the clock is named, and the ratio to python-control's.
+cannot be designed, and the peers are given others. Everything takes turns, BLAS with one thread;
+printed are least times of one loop in us, CPU time but where the clock is named, and the ratio to
+python-control's.
 
     python -m benchmarks.sweep.speed --loops 65536 --limit-arrays 100 --limit-compiled 500
 
