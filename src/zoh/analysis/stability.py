@@ -59,16 +59,19 @@ def next_to_it(loop: Loop, modulus: float | None = None) -> bool:
     return (modulus is not None and modulus < NEXT_TO_IT) or _has_cancelled(loop)
 
 
-@lru_cache(maxsize=8)
 def _has_cancelled(loop: Loop) -> bool:
-    """Return whether what Routh's scheme decides by has cancelled: a coefficient, or a pivot."""
-    if decided(loop)[1] is not ROUTH:
-        return False
+    """Return whether what Routh's scheme decides by, if it does, has cancelled."""
+    return decided(loop)[1] is ROUTH and _by_routh(loop)[1]
+
+
+@lru_cache(maxsize=8)
+def _by_routh(loop: Loop) -> tuple[bool, bool]:
+    """Return whether a loop is stable, and whether a coefficient or a pivot has cancelled."""
     num, den = late(loop, loop.exact)
     closed, lost = whole.plus(num, den), [0]
-    signs.hurwitz(closed, lost)
-    return max(lost) > _LOST or any(
-        abs(closed[i]) << _LOST < abs(den[i]) for i in _TOLD[: len(closed)]
+    stable = signs.hurwitz(closed, lost)
+    return stable, max(lost) > _LOST or any(
+        [abs(closed[i]) << _LOST < abs(den[i]) for i in _TOLD[: len(closed)]]
     )
 
 
@@ -78,11 +81,9 @@ def decided(loop: Loop) -> tuple[bool | None, Proof]:
 
     That is where a delay leaves it on the boundary to within rounding.
     """
-    if not loop.dead_time:
-        return signs.hurwitz(whole.plus(*loop.exact)), ROUTH
     m = 0 if loop.dt is None else round(loop.dead_time / loop.dt)
-    if loop.dt is not None and m <= SHORT:
-        return signs.hurwitz(whole.plus(*late(loop, loop.exact))), ROUTH
+    if not loop.dead_time or (loop.dt is not None and m <= SHORT):
+        return _by_routh(loop)[0], ROUTH
     found = _none_encircled(loop)
     if found is not None:
         return found, _WINDING
