@@ -37,10 +37,10 @@ def root(a: Sequence[float], low: float, high: float, at_low: float, at_high: fl
     >>> root([1.0, 0.0, -2.0], 1.0, 2.0, -1.0, 2.0)
     1.41421356237309...
     """
-    rising, last, rest = at_high > at_low, inf, a[1:]
+    rising, last, (lead, second, *rest) = at_high > at_low, inf, a
     x = low - at_low * (high - low) / (at_high - at_low)
     for _ in range(100):
-        value, slope = a[0], 0.0
+        value, slope = lead * x + second, lead
         for c in rest:
             slope = slope * x + value
             value = value * x + c
@@ -49,13 +49,13 @@ def root(a: Sequence[float], low: float, high: float, at_low: float, at_high: fl
         else:
             low = x
         step = value / slope if slope else inf
-        if (
-            abs(step) <= _LAST_STEP * x or abs(last) <= abs(step) < 1e-9 * x
-        ):  # rounding is all there is
-            return x - step
-        if not low < x - step < high:
+        moved, size = x - step, abs(step)
+        if size <= _LAST_STEP * x or last <= size < 1e-9 * x:  # rounding is all there is
+            return moved
+        if not low < moved < high:
             step = x - (low + high) / 2
-        x, last = x - step, step
+            moved, size = x - step, abs(step)
+        x, last = moved, size
     return x
 
 
@@ -67,10 +67,10 @@ def stationary(p: Sequence[float], q: Sequence[float], x: float, low: float, hig
     >>> stationary([1.0, 0.0, 1.0], [0.0, 1.0, 0.0], 1.1, 0.5, 2.0)  # x + 1/x
     1.0
     """
-    last, rest = inf, list(zip(p[1:], q[1:], strict=True))
+    last, ((p_lead, q_lead), (p_second, q_second), *rest) = inf, zip(p, q, strict=True)
     for _ in range(100):
-        p0, q0 = p[0], q[0]
-        p1 = q1 = p2 = q2 = 0.0  # p2 and q2 are half the second derivatives
+        p0, q0 = p_lead * x + p_second, q_lead * x + q_second
+        p1, q1, p2, q2 = p_lead, q_lead, 0.0, 0.0  # p2 and q2 are half the second derivatives
         for c, d in rest:
             p2, q2 = p2 * x + p1, q2 * x + q1
             p1, q1 = p1 * x + p0, q1 * x + q0
@@ -81,11 +81,13 @@ def stationary(p: Sequence[float], q: Sequence[float], x: float, low: float, hig
         else:
             low = x
         step = value / slope if slope > 0 else inf
-        if abs(step) <= _LAST_FLAT_STEP * x or abs(last) <= abs(step) < 1e-6 * x:
-            return x - step
-        if not low < x - step < high:
+        moved, size = x - step, abs(step)
+        if size <= _LAST_FLAT_STEP * x or last <= size < 1e-6 * x:
+            return moved
+        if not low < moved < high:
             step = x - (low + high) / 2
-        x, last = x - step, step
+            moved, size = x - step, abs(step)
+        x, last = moved, size
     return x
 
 
