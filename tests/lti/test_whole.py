@@ -31,17 +31,25 @@ def test_products_and_sums_are_those_of_their_values(a, b, factor):
         assert total == one + factor * other
 
 
+def packed(a, bits):
+    return sum(c << bits * k for k, c in enumerate(reversed(a)))
+
+
 @given(COEFFICIENTS, COEFFICIENTS)
 def test_a_packed_product_is_one_of_numbers(a, b):
     # up to 7 products of 81, so 11 bits with the sign
-    value = whole.packed(a, 11) * whole.packed(b, 11)
+    value = packed(a, 11) * packed(b, 11)
     assert whole.unpacked(value, 11, len(a) + len(b) - 1) == whole.times(a, b)
 
 
 @pytest.mark.parametrize("a", [[127, -128, 127], [-128, -128], [-1], [0, 0, -1]])
 def test_unpacked_to_the_last_bit(a):
-    assert whole.packed(a, 8) == sum(c * 256**k for k, c in enumerate(reversed(a)))
-    assert whole.unpacked(whole.packed(a, 8), 8, len(a)) == a
+    assert whole.unpacked(packed(a, 8), 8, len(a)) == a
+
+
+@given(COEFFICIENTS)
+def test_packed_on_the_axis_are_the_two_polynomials(a):
+    assert whole.packed_on_axis(a, 8) == tuple(packed(part, 8) for part in whole.on_axis(a))
 
 
 def test_a_power_has_the_binomial_coefficients():

@@ -70,7 +70,8 @@ def _in_p(exact: Pair, dt: float) -> Pair:
     """Return the polynomials in p = w dt/2, both times one positive number."""
     top, bottom = (dt / 2).as_integer_ratio()
     n = len(exact[0]) - 1
-    unit = [bottom ** (n - i) * top**i for i in range(n + 1)]  # w^(n-i) = (p bottom/top)^(n-i)
+    octaves = bottom.bit_length() - 1  # of a power of two
+    unit = [top**i << octaves * (n - i) for i in range(n + 1)]  # w^(n-i) = (p bottom/top)^(n-i)
     num, den = ([c * s for c, s in zip(a, unit, strict=True)] for a in exact)
     return num, den
 

@@ -8,7 +8,7 @@ is measured is a sign or a ratio of polynomials in q::
     |L| = 1 where |N|^2 = |D|^2,    L is real where T = 0
 
 Their coefficients are whole numbers, the floats of the loop taken exactly; floats of them are
-rounded once. They are computed as one whole number each, see ``whole.packed``.
+rounded once. They are computed as one whole number each, see ``whole.packed_on_axis``.
 """
 
 from collections.abc import Sequence
@@ -17,9 +17,11 @@ from math import inf, sqrt
 
 from zoh.analysis.loop import Loop
 from zoh.lti import whole
-from zoh.lti.whole import Whole, packed, unpacked
+from zoh.lti.whole import Whole, packed_on_axis, unpacked
 
 DROP = 10**-0.3  # -3 dB of |T|^2: where the bandwidth ends
+_OVER, _UNIT = DROP.as_integer_ratio()
+_LEVEL = sqrt(DROP)
 SHORT = 6  # samples of delay that are multiplied in: more of them cost more than a grid does
 LONG = 12  # samples of delay that are multiplied in where a grid has proved too little
 
@@ -60,13 +62,12 @@ class Squares:
             m = round(loop.dead_time / loop.dt)
             if m <= most:
                 half, one = (loop.dt / 2).as_integer_ratio()
-                num = whole.times(num, whole.power((-half, one), m))
-                den = whole.times(den, whole.power((half, one), m))
+                for _ in range(m):
+                    num, den = whole.times((-half, one), num), whole.times((half, one), den)
         length = max(len(num), 2)
         # no sum of so many products, twice that, has more bits than this
         bits = 2 * max(map(int.bit_length, (*num, *den))) + length.bit_length() + 4
-        ne, no = [packed(part, bits) for part in whole.on_axis(num)]
-        de, do = [packed(part, bits) for part in whole.on_axis(den)]
+        (ne, no), (de, do) = packed_on_axis(num, bits), packed_on_axis(den, bits)
         bottom, top = de * de + (do * do << bits), ne * ne + (no * no << bits)
         both, cross = bottom + top, 2 * (ne * de + (no * do << bits))
         above, closed = unpacked(top, bits, length), unpacked(both + cross, bits, length)
@@ -150,10 +151,9 @@ def _drop(top: Whole, closed: Whole) -> tuple[Whole, float]:
     at_rest = next(filter(any, zip(top[::-1], closed[::-1], strict=True)))
     if not all(at_rest):
         return [0], 0.0
-    over, unit = DROP.as_integer_ratio()
-    over, unit = over * at_rest[0], unit * at_rest[1]
+    over, unit = _OVER * at_rest[0], _UNIT * at_rest[1]
     drop = [unit * t - over * c for t, c in zip(top, closed, strict=True)]
-    return drop, sqrt(DROP) * whole.root_of_ratio(*at_rest)
+    return drop, _LEVEL * whole.root_of_ratio(*at_rest)
 
 
 def corners(polynomials: Sequence[Whole]) -> list[float]:

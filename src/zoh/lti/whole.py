@@ -88,19 +88,20 @@ def derivative(a: Whole) -> list[int]:
     return [c * (n - i) for i, c in enumerate(a[:-1])] or [0]
 
 
-def packed(a: Whole, bits: int) -> int:
-    """Return a(2^bits): a polynomial as one whole number, so that products are one product.
+def packed_on_axis(a: Whole, bits: int) -> tuple[int, int]:
+    """Return e(2^bits) and o(2^bits) of ``on_axis``: polynomials as one whole number each.
 
+    So products are one product each.
     Source: J. von zur Gathen, J. Gerhard, Modern Computer Algebra, 3rd ed., sec. 8.4 (Kronecker
     substitution).
 
-    >>> packed((1, -2), 8) ** 2 == packed((1, -4, 4), 8)
-    True
+    >>> packed_on_axis((1, 2, 3), 8)  # e = 3 - q, o = 2
+    (-253, 2)
     """
-    value = 0
+    even = odd = 0
     for c in a:
-        value = (value << bits) + c
-    return value
+        even, odd = c - (odd << bits), even
+    return even, odd
 
 
 def unpacked(value: int, bits: int, length: int) -> list[int]:
@@ -108,7 +109,7 @@ def unpacked(value: int, bits: int, length: int) -> list[int]:
 
     Each must be below 2^(bits - 1) in size.
 
-    >>> unpacked(packed((1, -4, 4), 8), 8, length=3)
+    >>> unpacked((1 << 16) - (4 << 8) + 4, 8, length=3)
     [1, -4, 4]
     """
     out, unit = [], 1 << bits
@@ -179,8 +180,14 @@ def size(a: Whole, octaves: int) -> int:
     >>> size((3, 0, 1), octaves=1)
     4
     """
-    n = len(a) - 1
-    return max([c.bit_length() + octaves * (n - i) for i, c in enumerate(a) if c], default=0)
+    most, up = None, octaves * (len(a) - 1)
+    for c in a:
+        if c:
+            bits = c.bit_length() + up
+            if most is None or bits > most:
+                most = bits
+        up -= octaves
+    return most or 0
 
 
 def floats(a: Whole, octaves: int, bits: int) -> list[float]:
