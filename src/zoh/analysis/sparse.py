@@ -39,7 +39,7 @@ class Sparse:
 
     octaves    log2(q/unit), K of them
     values     shape (7, K)
-    flips      where the last three change sign: (which of them, the point before)
+    above      1 where one of the last three is above 0, else 0, row after row
     ratios     |D + N|^2 over |D|^2, |N|^2 and |D - N|^2, shape (3, K); lowest_at: where
     """
 
@@ -49,7 +49,7 @@ class Sparse:
     polynomials: list[list[float]]
     octaves: Sequence[float]
     values: Array
-    flips: list[tuple[int, int]]
+    above: bytes
     ratios: Array
     lowest_at: list[int]
 
@@ -75,12 +75,10 @@ class Sparse:
         if octaves[-1] * longest > _FINITE and not isfinite(values.sum()):
             return None
         ratios = values[_CLOSED] / np.maximum(values[:_CLOSED], _NOTHING)
-        rising = values[_GAIN:] > 0
-        kinds, places = (rising[:, 1:] != rising[:, :-1]).nonzero()
         return cls(
             loop=loop, squares=s, unit=2.0**middle, polynomials=rows, octaves=octaves,
-            values=values, flips=list(zip(kinds.tolist(), places.tolist(), strict=True)),
-            ratios=ratios, lowest_at=ratios.argmin(axis=1).tolist(),
+            values=values, above=(values[_GAIN:] > 0.0).tobytes(), ratios=ratios,
+            lowest_at=ratios.argmin(axis=1).tolist(),
         )  # fmt: skip
 
     @property
@@ -119,10 +117,12 @@ class Sparse:
         return sqrt(q) * sqrt(self.unit)
 
     def _roots(self, row: int) -> list[float]:
-        polynomial, brackets = self.polynomials[row], []
-        for i in [place for kind, place in self.flips if kind == row - _GAIN]:
-            low, high = self.octaves[i : i + 2]
-            at_low, at_high = self.values[row, i : i + 2].tolist()
+        polynomial, brackets, count = self.polynomials[row], [], len(self.octaves)
+        above = self.above[(row - _GAIN) * count : (row - _GAIN + 1) * count]
+        i = 0
+        while (i := above.find(1 - above[i], i)) > 0:  # the next point of the other sign
+            low, high = self.octaves[i - 1 : i + 1]
+            at_low, at_high = self.values[row, i - 1 : i + 1].tolist()
             brackets.append([2.0**low, 2.0**high, at_low, at_high])
         for left, right in pairwise(brackets):
             if left[1] == right[0] and abs(left[3]) < _LOST * max(abs(left[2]), abs(right[3])):
