@@ -26,10 +26,11 @@ def number(name: str, value: object, way_out: str = "give one real number") -> f
     """
     if type(value) is float and isfinite(value):  # nearly always
         return value
-    if _is_0d(value) and not isinstance(value, np.ma.MaskedArray):  # what is masked says 0.0
-        value = value.item()
-    if isinstance(value, bool | np.bool_) or not isinstance(value, Real):
-        raise SpecError(name, "must be a real number", value, way_out)
+    if type(value) is not int:
+        if _is_0d(value) and not isinstance(value, np.ma.MaskedArray):  # what is masked says 0.0
+            value = value.item()
+        if isinstance(value, bool | np.bool_) or not isinstance(value, Real):
+            raise SpecError(name, "must be a real number", value, way_out)
     try:
         result = float(value)
     except OverflowError:

@@ -110,8 +110,10 @@ def _solved(law: str, asked: Asked) -> SolvedLaw:
 
 def _named(law: str, asked: Asked) -> SolvedLaw:
     found = _LAWS[law](asked)
-    gains = Gains({k: v for k, v in found.gains.items() if law != "pd" or k != "ki"})
-    return SolvedLaw(controller=found.controller(), gains=gains)
+    gains = dict(found.gains)
+    if law == "pd":
+        del gains["ki"]
+    return SolvedLaw(controller=found.controller(), gains=Gains(gains))
 
 
 def _p(a: Asked) -> Law:

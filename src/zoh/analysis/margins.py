@@ -226,7 +226,7 @@ def peak(loop: Loop, squares: Squares, look: Look, below: Below) -> Peak:
         # where the least is at an end, the grid's outermost point says the same but for rounding
         if at_end <= value * (1 + 1e-14):
             place, value = v, at_end
-    return Peak(v=place, least=value, below=below)
+    return Peak(place, value, below)
 
 
 def _lowest(loop: Loop, squares: Squares, look: Look, below: Below) -> tuple[float, float]:
