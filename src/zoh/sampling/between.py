@@ -55,7 +55,7 @@ class Held:
         """Return the plant with time counted in units of dt seconds."""
         low, c, d = _scaled(plant, dt)
         n = len(low)
-        sizes = sorted(abs(a) ** (1 / (n - i)) for i, a in enumerate(low))
+        sizes = sorted([abs(a) ** (1 / (n - i)) for i, a in enumerate(low)])
         # Lagrange's bound of the roots: the two largest together
         return cls(plant=plant, dt=dt, low=low, c=c, d=d, size=sum(sizes[-2:]))
 
@@ -146,7 +146,9 @@ class Held:
 
 def _array(rows: list[list[float]]) -> Array:
     """Return the rows as an array; flat, they are read twice as fast."""
-    return np.fromiter(chain.from_iterable(rows), float).reshape(len(rows), -1)
+    count, width = len(rows), len(rows[0])
+    flat = np.fromiter(chain.from_iterable(rows), float, count * width)
+    return flat.reshape(count, width)
 
 
 def _scaled(plant: Plant, dt: float) -> tuple[tuple[float, ...], tuple[float, ...], float]:

@@ -204,7 +204,9 @@ class Forms:
         num_z, num_p, den_z, den_p = self.values
         up, down = max(self.gain, 0), max(-self.gain, 0)
         unit, num_unit = 1 << self.bits, 1 << self.bits + down
-        first = next(i for i, c in enumerate(den_p) if c)
+        first = 0
+        while not den_p[first]:
+            first += 1
         lead, num_w, den_w = den_p[first], [], []
         for top, bottom, (above, below) in zip(
             num_p, den_p, _powers(dt, len(den_p), first), strict=True

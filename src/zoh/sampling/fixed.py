@@ -69,10 +69,20 @@ class FixedRing:
 
     def times_sigma(self, a: Element) -> list[int]:
         """Return sigma a."""
-        if not a:
-            return []
-        top, bits, shifted = a[-1], self.bits, [0, *a]
-        return [shifted[i] - (top * m >> bits) for i, m in enumerate(self.modulus)]
+        return self.multiples(a, 2)[1]
+
+    def multiples(self, a: Element, count: int) -> list[list[int]]:
+        """Return (a, sigma a, ... sigma^(count-1) a)."""
+        last, bits = [*a], self.bits
+        modulus = [(i, m) for i, m in enumerate(self.modulus) if m]
+        found = [last]
+        for _ in range(1, count):
+            last = [0, *last]
+            top = last.pop()
+            for i, m in modulus:
+                last[i] -= top * m >> bits
+            found.append(last)
+        return found
 
     def norm(self, a: Element) -> int:
         """Return a whole number above the sum of the sizes of a's coefficients."""
@@ -80,10 +90,11 @@ class FixedRing:
 
     def rows(self, a: Element) -> list[tuple[int, ...]]:
         """Return the matrix of the product with a: columns a, sigma a, sigma^2 a ..."""
-        columns = [a]
-        for _ in self.modulus[1:]:
-            columns.append(self.times_sigma(columns[-1]))
-        return list(zip(*columns, strict=True))
+        return list(zip(*self.multiples(a, len(a)), strict=True))
+
+    def rows_of_sigma(self, a: Element) -> list[tuple[int, ...]]:
+        """Return the matrix of the product with sigma a."""
+        return list(zip(*self.multiples(a, len(a) + 1)[1:], strict=True))
 
     def applied(self, rows: Sequence[Element], b: Element) -> list[int]:
         """Return the product a b, given rows = rows(a)."""
@@ -131,14 +142,14 @@ class FixedRing:
             raise OverflowError
         n = len(a)
         shifted = error + n * (1 + size)
-        moved = self.applied(self.rows(self.times_sigma(a)), a)
+        moved = self.applied(self.rows_of_sigma(a), a)
         error = self.product_error(size, shifted, size, error) + 2 * error
         return [2 * c + d for c, d in zip(a, moved, strict=True)], error
 
     def powers(self, a: list[int], error: int) -> tuple[list[list[int]], int, int]:
         """Return (a, a E, ... a E^(n-1)) with E = sigma a, a bound on their norms and errors."""
         found, size, n = [a], self.norm(a), len(a)
-        rows = self.rows(self.times_sigma(a))
+        rows = self.rows_of_sigma(a)
         shifted, largest = error + n * (1 + size), size
         for _ in self.modulus[1:]:
             error = self.product_error(size, shifted, largest, error)

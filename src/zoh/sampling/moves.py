@@ -13,6 +13,7 @@ bounded (see ``fixed``); what is not sure to a float is found again with the bit
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
+from itertools import pairwise
 from math import factorial, frexp
 from typing import Self
 
@@ -119,14 +120,12 @@ class Moves:
             element = [a + b for a, b in zip(moved, (*c[1:], 0), strict=True)]
             ahead = c[0]
         error += (count + 1) * n * (2 + ring.norm(element) + (abs(ahead) >> bits))
+        first = ring.times_sigma(element)
+        first[0] += ahead
         wholes: list[int] = []
-        for _ in range(count):
-            last = element[-1]
-            element = ring.times_sigma(element)
-            element[0] += ahead
-            ahead = 0
-            wholes += element
-            wholes.append(last)
+        for before, here in pairwise([element, *ring.multiples(first, count)]):
+            wholes += here
+            wholes.append(before[-1])
         rows = _scaled(wholes, (units - bits).ravel().tolist(), plant.dt).reshape(count, -1)
         return rows, np.ldexp(1.0, np.minimum(units + (error.bit_length() - bits), _LARGE))
 

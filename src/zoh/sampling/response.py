@@ -184,7 +184,7 @@ class FixedResponse:
             start, slopes, error = self._at(*ring.growth(plant.in_units(lead), halvings, 0))
         step = grown(ring, plant.in_units(plant.dt.as_integer_ratio()), halvings, scale)
         powers, size, power_error = ring.powers(*step)
-        differences = [start, *(sum(map(mul, slopes, p)) >> bits for p in powers)]
+        differences = [start, *[sum(map(mul, slopes, p)) >> bits for p in powers]]
         sums = [sum(map(mul, self.sums, p)) >> bits for p in powers[: plant.moving]]
         n = len(powers)
         error = _dot_error(ring.norm(slopes), error, size, power_error, bits)
@@ -210,10 +210,7 @@ class FixedResponse:
         element = ring.times_sigma(growth)
         if element:
             element[0] += 1 << bits
-        found = []
-        for _ in growth:
-            found.append(sum(map(mul, self.slopes, element)) >> bits)
-            element = ring.times_sigma(element)
+        found = [sum(map(mul, self.slopes, e)) >> bits for e in ring.multiples(element, n)[:n]]
         error += (n + 1) * n * (2 + size)
         return start, found, _dot_error(size_slopes, self.error, size + 2, error, bits)
 
