@@ -27,6 +27,7 @@ from zoh.sampling.hold import KEPT, MAX_DELAY, whole_samples
 Excitation = Literal["step", "impulse", "ramp", "disturbance"]
 EXCITATIONS: tuple[Excitation, ...] = ("step", "impulse", "ramp", "disturbance")
 
+_NO_CHAIN = Chain((), (), 0.0)
 CARRIED = 64  # samples of delay carried in the state; more stand in a queue
 
 
@@ -54,9 +55,10 @@ def closed_loop(
     at_once = not m and held.d != 0.0  # e moves by u: the chain cannot be written by its step
     feedback = (Chain.of if at_once else Chain.followed)(controller)
     at = _Places.of(len(held.c), m, (len(feedback.a), len(ahead.a)), by)
+    size = at.size
     y, u = _signals(held, feedback, ahead, at)
     stretches, moved = _between(held, *_inputs(u, at), lead)
-    delta, start = np.zeros((at.size, at.size)), np.zeros(at.size)
+    delta, start = np.zeros((size, size)), np.zeros(size)
     delta[: at.n] = moved
     if at.kept:
         delta[at.n, at.n] = -1.0
@@ -74,9 +76,9 @@ def closed_loop(
             error[at.r] += 1.0
         feedback.write(delta, at.first, error)
         if feedback.steps:  # from nothing to e at once
-            start[at.first] = start.dot(error)
+            start[at.first] = error[at.one] + (error[at.own] if by == "impulse" else 0.0)
     if ahead.a:
-        ahead.write(delta, at.ahead, _unit(at.size, at.own))
+        ahead.write(delta, at.ahead, _unit(size, at.own))
     return Motion(
         dt=dt, delta=delta, start=start, own=at.own, output=np.array(y), effort=np.array(u),
         stretches=stretches,
@@ -89,7 +91,7 @@ Row = list[float]  # on Z
 
 def _ahead(feedforward: Sampled | None, by: Excitation) -> Chain:
     """Return the feedforward as a chain of sums, nothing where no reference acts."""
-    return Chain.of(feedforward) if feedforward and by != "disturbance" else Chain((), (), 0.0)
+    return Chain.of(feedforward) if feedforward and by != "disturbance" else _NO_CHAIN
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -231,7 +233,10 @@ def _between(held: Held, before: Row, after: Row, lead: Decimal) -> tuple[list[S
     The plant's input is ``before`` until 1 - lead, then ``after``.
     """
     n = len(held.c)
-    at = np.array([*[_unit(len(before), i) for i in range(n)], before])  # state, input on Z
+    at = np.zeros((n + 1, len(before)))  # state and input on Z
+    for i in range(n):
+        at[i, i] = 1.0
+    at[n] = before
     if not lead:
         weights, series = held.over(1.0)
         return _stretches(series, at, 0.0), weights.dot(at)

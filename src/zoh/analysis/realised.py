@@ -95,8 +95,9 @@ class Chain:
         if abs(second) * lead * lead >= fast * fast * abs(first):  # the step loses as many
             return cls(*_sums(num, den))
         a = [x / lead for x in dens]
-        c = [(x * fast - second * y) / (lead * fast) for x, y in zip(nums, dens, strict=True)]
-        c[0] = (first * fast - second * lead) / (lead * fast)
+        unit = lead * fast
+        c = [(x * fast - second * y) / unit for x, y in zip(nums, dens, strict=True)]
+        c[0] = (first * fast - second * lead) / unit
         return cls(a, c, second / fast, steps=True)
 
     def write(self, delta: Array, first: int, enters: Sequence[float]) -> None:
@@ -116,22 +117,25 @@ class Chain:
             delta[first] = row
             return
         fast, *others = self.a
-        later = slice(first + 1, first + len(self.a))
         if others:
             row = [*enters]
             for i, part in enumerate((1.0, *others), first):
                 row[i] -= part
             delta[first + 1] = [part / fast for part in row]
-        delta[first] = np.dot(enters, delta) - np.dot(others, delta[later])
-        delta[first, first] -= fast
+        moved = np.array(enters).dot(delta)
+        if others:
+            moved -= np.array(others).dot(delta[first + 1 : first + len(self.a)])
+        moved[first] -= fast
+        delta[first] = moved
 
 
 def _sums(num: Sequence[int], den: Sequence[int]) -> tuple[list[float], list[float], float]:
     """Return (a, c, d) of a fraction in delta as a chain of sums."""
     first, lead = num[0], den[0]
+    unit = lead * lead
     # a quotient of whole numbers is rounded once
     a = [x / lead for x in den[1:]]
-    c = [(x * lead - first * y) / (lead * lead) for x, y in zip(num[1:], den[1:], strict=True)]
+    c = [(x * lead - first * y) / unit for x, y in zip(num[1:], den[1:], strict=True)]
     return a, c, first / lead
 
 
