@@ -15,8 +15,12 @@ from zoh.analysis.pieces import Piece, bernstein, highest_bounds
 ROOTS = st.lists(st.floats(-0.5, 1.5), min_size=1, max_size=6)
 
 
+def curve(a):
+    return Piece.of(np.array(a, float))
+
+
 def of_roots(roots):
-    return Piece.of(np.poly(roots)[::-1].tolist())
+    return curve(np.poly(roots)[::-1].tolist())
 
 
 @given(ROOTS)
@@ -31,7 +35,7 @@ def test_finds_every_root_inside_and_none_outside(roots):
 
 @given(st.lists(st.floats(-10, 10), min_size=1, max_size=9))
 def test_the_bounds_hold_and_meet_the_ends(a):
-    piece, t = Piece.of(a), np.linspace(0, 1, 201)
+    piece, t = curve(a), np.linspace(0, 1, 201)
     y = np.polynomial.polynomial.polyval(t, a)
     slack = 1e-13 * (1 + np.abs(a).sum())
     assert min(piece.b) <= y.min() + slack
@@ -41,7 +45,7 @@ def test_the_bounds_hold_and_meet_the_ends(a):
 
 @given(st.lists(st.floats(-10, 10), min_size=1, max_size=9))
 def test_the_highest_is_no_lower_than_a_grid_and_is_reached(a):
-    piece = Piece.of(a)
+    piece = curve(a)
     t, value = piece.highest()
     slack = 1e-13 * (1 + np.abs(a).sum())
     grid = np.polynomial.polynomial.polyval(np.linspace(0, 1, 1001), a)
@@ -52,7 +56,7 @@ def test_the_highest_is_no_lower_than_a_grid_and_is_reached(a):
 
 @given(st.lists(st.floats(-10, 10), min_size=2, max_size=9), st.floats(0, 1))
 def test_the_slope_is_the_derivative(a, t):
-    slope = Piece.of(a).slope()
+    slope = curve(a).slope()
     wanted = np.polynomial.polynomial.polyval(t, np.polynomial.polynomial.polyder(a))
     assert slope.at(t) == pytest.approx(wanted, abs=1e-12 * np.abs(a).sum() * len(a))
     assert slope.b == pytest.approx(bernstein(len(slope.a)) @ slope.a, abs=1e-11)
@@ -67,18 +71,18 @@ def test_a_level_that_is_touched_is_not_crossed():
 
 def test_two_crossings_between_neighbours_of_one_sign():
     """Both ends and both end slopes say nothing; 1.0001 - 4 t (1 - t) dips below 1e-3 inside."""
-    piece = Piece.of([1.0001, -4.0, 4.0])
+    piece = curve([1.0001, -4.0, 4.0])
     low, high = piece.crossings(1e-3)
     assert (low + high) / 2 == pytest.approx(0.5, rel=1e-12)
     assert high - low == pytest.approx((1e-3 - 1e-4) ** 0.5, rel=1e-9)
 
 
 def test_crossings_to_the_last_digits():
-    assert list(Piece.of([-0.3, 0.0, 1.0]).crossings(0.0)) == pytest.approx([0.3**0.5], rel=1e-15)
-    assert list(Piece.of([0.0, 0.0, 0.0, 8.0]).crossings(0.125)) == pytest.approx([0.25], rel=1e-15)
-    assert list(Piece.of([1.0, -1.0]).crossings(0.875)) == pytest.approx([0.125], rel=1e-15)
+    assert list(curve([-0.3, 0.0, 1.0]).crossings(0.0)) == pytest.approx([0.3**0.5], rel=1e-15)
+    assert list(curve([0.0, 0.0, 0.0, 8.0]).crossings(0.125)) == pytest.approx([0.25], rel=1e-15)
+    assert list(curve([1.0, -1.0]).crossings(0.875)) == pytest.approx([0.125], rel=1e-15)
     # 7/8 - (1 - t)^3 with its flat end inside: at 1/2 the slope is 3/4, beyond 1 it is 0
-    flat = Piece.of([1.0, -3.0, 3.0, -1.0])
+    flat = curve([1.0, -3.0, 3.0, -1.0])
     assert list(flat.crossings(1 / 8)) == pytest.approx([0.5], rel=1e-15)
     # a saddle: (t - 1/2)^3 crosses where its slope is 0
     saddle = of_roots([0.5, 0.5, 0.5])
@@ -88,16 +92,16 @@ def test_crossings_to_the_last_digits():
 
 
 def test_a_crossing_at_an_end_counts_where_the_sign_changes_inside():
-    line = Piece.of([0.0, 1.0])
+    line = curve([0.0, 1.0])
     assert list(line.crossings(0.0)) == []  # from 0 upwards: no change
     assert list(line.crossings(1.0)) == [1.0]  # below before it, not below at it
-    assert list(Piece.of([0.0, -1.0]).crossings(0.0)) == pytest.approx([0.0], abs=1e-12)
-    assert list(Piece.of([2.0]).crossings(2.0)) == []
+    assert list(curve([0.0, -1.0]).crossings(0.0)) == pytest.approx([0.0], abs=1e-12)
+    assert list(curve([2.0]).crossings(2.0)) == []
 
 
 def test_steep_and_far_apart_scales():
     # 1 - exp(-40 t) to 60 terms is no polynomial for floats; a ninth power is steep enough
-    steep = Piece.of([0.0] * 9 + [1.0])
+    steep = curve([0.0] * 9 + [1.0])
     (t,) = steep.crossings(1e-9)
     assert t == pytest.approx(0.1, rel=1e-14)
     (t,) = steep.crossings(0.5)
@@ -106,17 +110,17 @@ def test_steep_and_far_apart_scales():
 
 def test_three_crossings_in_order():
     # T_3 on [0, 1]: 32 t^3 - 48 t^2 + 18 t - 1, zero at (1 + cos(pi (2 i + 1)/6))/2
-    found = list(Piece.of([-1.0, 18.0, -48.0, 32.0]).crossings(0.0))
+    found = list(curve([-1.0, 18.0, -48.0, 32.0]).crossings(0.0))
     assert found == pytest.approx([0.5 - 3**0.5 / 4, 0.5, 0.5 + 3**0.5 / 4], rel=1e-14)
 
 
 def test_the_slope_of_a_constant_is_nothing():
-    slope = Piece.of([3.0]).slope()
+    slope = curve([3.0]).slope()
     assert (slope.a, slope.b) == ([0.0], [0.0])
-    assert Piece.of([3.0]).highest() == (0.0, 3.0)
-    assert Piece.of([1.0, 2.0]).slope().a == [2.0]
-    assert Piece.of([1.0, 2.0]).highest() == (1.0, 3.0)
-    assert Piece.of([1.0, -2.0]).highest() == (0.0, 1.0)
+    assert curve([3.0]).highest() == (0.0, 3.0)
+    assert curve([1.0, 2.0]).slope().a == [2.0]
+    assert curve([1.0, 2.0]).highest() == (1.0, 3.0)
+    assert curve([1.0, -2.0]).highest() == (0.0, 1.0)
 
 
 def test_bernsteins_coefficients_by_hand():

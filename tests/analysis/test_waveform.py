@@ -33,6 +33,10 @@ def wave_of(curves, stretches=WHOLE, final=0.0, band=np.inf, effort=(0.0, 0.0, 1
     return Waveform.of(motion, Track(k=k, states=states, horizon=9, rests=True), final, band)
 
 
+def curve(a):
+    return Piece.of(np.array(a, float))
+
+
 # up to 1, from 1/2 over 9/8 back to it, along it, and down
 BUMP = [(0, 1, 0), (0.5, 2.5, -2.5), (0.5, 0, 0), (0.5, -1, 0), (-0.5, 0, 0)]
 
@@ -148,16 +152,14 @@ def test_from_when_on_a_band_is_kept(stretches):
 
 
 def test_outside_at_a_parts_end_is_outside_until_then():
-    assert waveform._last_outside(Piece.of([0.0, 2.0]), 0.0, 1.5) == 1.0
-    assert waveform._last_outside(Piece.of([2.0, -2.0]), 0.0, 1.5) == pytest.approx(0.25, rel=1e-12)
-    assert waveform._last_outside(Piece.of([0.0, 1.0]), 0.0, 1.5) is None
-    assert waveform._last_outside(Piece.of([-2.0, 3.0]), 0.0, 1.5) == pytest.approx(
-        1 / 6, rel=1e-12
-    )
+    assert waveform._last_outside(curve([0.0, 2.0]), 0.0, 1.5) == 1.0
+    assert waveform._last_outside(curve([2.0, -2.0]), 0.0, 1.5) == pytest.approx(0.25, rel=1e-12)
+    assert waveform._last_outside(curve([0.0, 1.0]), 0.0, 1.5) is None
+    assert waveform._last_outside(curve([-2.0, 3.0]), 0.0, 1.5) == pytest.approx(1 / 6, rel=1e-12)
     # through both edges: (8 t - 4) - 0 leaves at -1.5, and is above 1.5 from 0.6875 on
-    assert waveform._last_outside(Piece.of([-4.0, 5.0]), 0.0, 1.5) == pytest.approx(0.5, rel=1e-12)
+    assert waveform._last_outside(curve([-4.0, 5.0]), 0.0, 1.5) == pytest.approx(0.5, rel=1e-12)
     # out and in again above: 8 (t - t^2) = 1.5 at t = 3/4
-    assert waveform._last_outside(Piece.of([0.0, 8.0, -8.0]), 0.0, 1.5) == pytest.approx(
+    assert waveform._last_outside(curve([0.0, 8.0, -8.0]), 0.0, 1.5) == pytest.approx(
         0.75, rel=1e-12
     )
     # at its begin alone, which no crossing shows

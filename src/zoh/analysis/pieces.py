@@ -7,7 +7,7 @@ Source: G. Farin, Curves and Surfaces for CAGD, 5th ed., ch. 5 and 6 (convex hul
 diminishing, de Casteljau's subdivision).
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import lru_cache
 from itertools import pairwise
 from math import comb
@@ -43,10 +43,9 @@ class Piece:
         self.a, self.b = a, b
 
     @classmethod
-    def of(cls, a: Sequence[float] | Array) -> "Piece":
+    def of(cls, a: Array) -> "Piece":
         """Return the polynomial of these ascending powers."""
-        powers = np.asarray(a, float)
-        return cls(powers.tolist(), bernstein(len(powers)).dot(powers).tolist())
+        return cls(a.tolist(), bernstein(len(a)).dot(a).tolist())
 
     def at(self, t: float) -> float:
         """Return the value at t."""
@@ -66,7 +65,7 @@ class Piece:
     def crossings(self, level: float) -> Iterator[float]:
         """Yield where the polynomial crosses a level, in order.
 
-        >>> list(Piece.of([0.0, 0.0, 4.0]).crossings(1.0))
+        >>> list(Piece.of(np.array([0.0, 0.0, 4.0])).crossings(1.0))
         [0.5]
         """
         for low, high, ends in _brackets([c - level for c in self.b], 0.0, 1.0):
@@ -75,7 +74,7 @@ class Piece:
     def highest(self) -> tuple[float, float]:
         """Return (t, value) where the polynomial is largest on [0, 1].
 
-        >>> Piece.of([0.0, 1.0, -1.0]).highest()
+        >>> Piece.of(np.array([0.0, 1.0, -1.0])).highest()
         (0.5, 0.25)
         """
         best, high = 0.0, self.a[0]
@@ -91,11 +90,11 @@ class Piece:
         ends  how far from the level the polynomial is at both
         """
         left, right = ends
-        rises, powers = left < 0, self.a[::-1]
+        rises, (first, *powers) = left < 0, self.a[::-1]
         # inside: at an end that is a crossing, too, rounding decides the sign
         t = low + min(max(left / (left - right), 0.02), 0.98) * (high - low)
         for _ in range(80):
-            value, slope = 0.0, 0.0
+            value, slope = first, 0.0
             for c in powers:
                 slope = slope * t + value
                 value = value * t + c
