@@ -10,10 +10,10 @@ carried in Z is a queue beside it (see ``queue``).
 """
 
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from math import atan2, ceil, hypot, inf, log, log1p
 from operator import itemgetter
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -22,6 +22,7 @@ from zoh.analysis.loop import Array
 from zoh.analysis.powers import Powers
 
 Indices = npt.NDArray[np.int64]
+Number = TypeVar("Number", np.int64, np.float64)
 
 QUIET = 1e-10  # the slowest mode has fallen to this at the horizon: no peak after it has 9 digits
 _SLOWEST = 1e-14
@@ -89,10 +90,12 @@ class Motion:
     powers: Powers = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        whose = "system" if self.effort is None else "controller"
-        rows = [self.output] if self.effort is None else [self.output, self.effort]
+        whose, effort = "controller", self.effort
+        if effort is None:
+            whose, effort = "system", np.zeros(len(self.output))
         powers = Powers(
-            delta=self.delta, own=self.own, seen=np.array(rows), whose=whose, wholly=self.swings
+            delta=self.delta, own=self.own, seen=np.array([self.output, effort]), whose=whose,
+            wholly=self.swings,
         )  # fmt: skip
         object.__setattr__(self, "powers", powers)
 
@@ -113,7 +116,7 @@ class Motion:
     def rates(self) -> list[tuple[float, float]]:
         """Return (-log |z|, |log z|) per sample of each own mode z, the fastest last."""
         moved = np.linalg.eigvals(self.delta[: self.own, : self.own]).tolist()
-        return sorted([_rate(complex(z)) for z in moved], key=itemgetter(1))
+        return sorted([_rate(z) for z in moved], key=itemgetter(1))
 
     def track(self, final: float = 0.0) -> Track:
         """Return the motion from its start until its slowest mode is gone; y comes to ``final``.
@@ -125,39 +128,52 @@ class Motion:
         outgrows floats: many poles close together, their coefficients in one fraction, swing each
         other up in the rounding.
         """
-        with np.errstate(over="raise", invalid="raise"), suppress(FloatingPointError):
-            return self._followed(final)
-        if not self.powers.wholly:
-            self.powers.wholly = True
-            return self.track(final)
-        raise self.powers.swung_up()
+        try:
+            with np.errstate(over="raise", invalid="raise"):
+                return self._followed(final)
+        except FloatingPointError:
+            if self.powers.wholly:
+                raise self.powers.swung_up() from None
+        self.powers.wholly = True
+        return self.track(final)
 
     def _followed(self, final: float) -> Track:
         """Return the motion from its start until its slowest mode is gone."""
         rates = self.rates()
         slowest = max(min(rates, default=(inf, inf))[0], _SLOWEST)
         end = max(8, ceil(-log(QUIET) / slowest) + 4 * len(self.delta))
-        ks, zs, k, z, shown = [], [], 0, self.start, 0
+        ks, zs, k, z, shown, left = [], [], 0, self.start, 0, False
         while k <= end and shown < _MOST:
             alone, doublings, until = _pace(rates, k, end)
             stride = 1 << doublings
-            if alone and abs(float(self.output.dot(z)) - final) < NEAR * BAND * abs(final):
-                ks.append(np.array([k]))
-                zs.append(z[:, None])
+            left = alone and abs(float(self.output.dot(z)) - final) < NEAR * BAND * abs(final)
+            if left:
                 k += stride * (-(-(end - k) // stride) + 1)
                 break
             count = min(-(-(until - k) // stride) + 1, _MOST - shown)
             states = self.run(z, count + 1, doublings, slowest)
-            ks.append(np.arange(k, k + stride * count, stride))
-            zs.append(states[:, :-1])
+            ks.append(np.arange(k, k + stride * count + 1, stride))
+            zs.append(states)
             k, z, shown = k + stride * count, states[:, -1], shown + count
-        states = np.concatenate(zs, axis=1)
+        if not zs:
+            ks, zs = [np.array([0])], [z[:, None]]
+        states = _joined(zs, left)
         if self.powers.gives_up_floats(states, k):
             return self._followed(final)
         return Track(
-            k=np.concatenate(ks), states=states, horizon=k - stride,
-            rests=slowest * k > -log(STILL),
-        )  # fmt: skip
+            k=_joined(ks, left), states=states, horizon=k - stride, rests=slowest * k > -log(STILL)
+        )
+
+
+def _joined(parts: list[npt.NDArray[Number]], left: bool) -> npt.NDArray[Number]:
+    """Return the parts as one, without the last of each, which is the first of the next.
+
+    left  whether the motion is left alone at the last of all, so that it is the first of none
+    """
+    last = parts[-1] if left else parts[-1][..., :-1]
+    if len(parts) == 1:  # mostly
+        return last
+    return np.concatenate([*(part[..., :-1] for part in parts[:-1]), last], axis=-1)
 
 
 def _rate(moved: complex) -> tuple[float, float]:

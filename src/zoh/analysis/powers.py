@@ -35,7 +35,7 @@ class Powers:
     """The powers of I + delta, delta of shape (N, N).
 
     own     how many of the N states are the system's; the others are what drives it
-    seen    rows on Z, shape (R, N): what is asked of the motion
+    seen    rows on Z, shape (R, N): what is asked of the motion, its output and its effort
     whose   what a refusal calls it
     wholly  whether powers are had in whole numbers
     """
@@ -87,18 +87,20 @@ class Powers:
         if self.wholly:  # one after the other: of a longer way the roundings swing up, too
             self._step_wholly(out, doublings)
             return out.T
+        few = count * self.delta.size <= _ALONE  # nearly always
+        product = np.ndarray.dot if few else _products
         while done < count:
             after = min(2 * done, count)
             known, block = out[: after - done], out[done:after]
             if slowest * (1 << doublings) < _PLAIN:
                 moved = self.small(doublings).T
                 self._taken[doublings] = moved
-                _products(known, moved, block)
+                product(known, moved, block)
                 block += known
             else:
                 step = _one_and(self.small(doublings)) if step is None else step.dot(step)
                 self._taken[doublings] = step
-                _products(known, step, block)
+                product(known, step, block)
             done, doublings = after, doublings + 1
         return out.T
 
@@ -243,9 +245,6 @@ def _whole(s: Array) -> Any:
 
 def _products(rows: Array, s: Array, out: Array) -> None:
     """Write rows s, as many at a time as BLAS takes on one thread: two of them mostly wait."""
-    if len(rows) * s.size <= _ALONE:  # nearly always
-        rows.dot(s, out=out)
-        return
     most = max(1, _ALONE // s.size)
     for first in range(0, len(rows), most):
         part = slice(first, first + most)

@@ -47,13 +47,12 @@ class Waveform:
 
         Those are the extremes, the rise to ``final`` and the last entry into ``band`` around it.
         """
-        effort = np.zeros_like(motion.output) if motion.effort is None else motion.effort
-        both = np.array([motion.output, effort])
+        both = motion.powers.seen
         seen = both.dot(track.states)
         while rows := wanted(track.k, seen, final, band):
             track = filled(motion, track, rows)
             seen = both.dot(track.states)
-        y, u = seen
+        y, u = seen[0], seen[1]  # an array is slow to unpack
         low, high = bounds(motion, track.states)
         return cls(
             motion=motion, track=track, y=y, u=u, low=low, high=high,
@@ -190,12 +189,11 @@ def bounds(motion: Motion, states: Array) -> tuple[Array, Array]:
     """Return (low, high), bounds of the output between each sample and the next."""
     parts = [bernstein(len(part.rows)).dot(part.rows) for part in motion.stretches]
     # the first of a stretch's is the output at its begin
-    rows = np.concatenate(parts) if parts else motion.output[None]
-    count = states.shape[1]
-    low, high = np.empty(count), np.empty(count)
-    wide = max(1, _CELLS // len(rows))
-    for begin in range(0, count, wide):
-        values = rows.dot(states[:, begin : begin + wide])
-        values.min(axis=0, out=low[begin : begin + wide])
-        values.max(axis=0, out=high[begin : begin + wide])
-    return low, high
+    rows = parts[0] if len(parts) == 1 else np.concatenate(parts or [motion.output[None]])
+    count, wide = states.shape[1], max(1, _CELLS // len(rows))
+    if count > wide:
+        some = [bounds(motion, states[:, i : i + wide]) for i in range(0, count, wide)]
+        low, high = zip(*some, strict=True)
+        return np.concatenate(low), np.concatenate(high)
+    values = rows.dot(states)
+    return np.minimum.reduce(values), np.maximum.reduce(values)
