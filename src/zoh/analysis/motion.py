@@ -193,10 +193,11 @@ def _pace(rates: list[tuple[float, float]], k: int, end: int) -> tuple[bool, int
     """
     alive = [(decay, turn) for decay, turn in rates if decay * k <= _GONE]
     alone = len(alive) == 1 and alive[0][0] == alive[0][1]
-    fastest = 0.0 if alone or not alive else alive[-1][1]
-    most = 1 if end <= _FEW else max(1, (end - k) // (4 if alone else 32))
-    doublings = min(max(int(_TURN / max(fastest, _TURN / most)).bit_length() - 1, 0), 60)
+    doublings = 0
+    if end > _FEW:
+        fastest = 0.0 if alone or not alive else alive[-1][1]
+        most = max(1, (end - k) // (4 if alone else 32))
+        doublings = min(max(int(_TURN / max(fastest, _TURN / most)).bit_length() - 1, 0), 60)
     over = [_GONE / decay for decay, turn in alive if decay > 0 and turn > _TURN / (4 << doublings)]
-    wanted = max(over, default=float(end))
-    until = min(end, max(k + 1, ceil(wanted) if wanted < end else end))
+    until = min(end, max(k + 1, ceil(min(max(over, default=end), end))))
     return alone, doublings, until
