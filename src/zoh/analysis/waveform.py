@@ -26,7 +26,7 @@ _CELLS = 4_000_000  # numbers bounded at once
 class Waveform:
     """y along a motion, and the effort u with it.
 
-    track        the K samples at which the state is known
+    track        the K samples at which the state is known;  k, states  of it
     y, u         the output and the effort there, shape (K,)
     low, high    bounds of the output over the sample interval that begins there, shape (K,)
     top, bottom  the rows where y is largest and least
@@ -34,6 +34,8 @@ class Waveform:
 
     motion: Motion
     track: Track
+    k: Indices
+    states: Array
     y: Array
     u: Array
     low: Array
@@ -55,8 +57,8 @@ class Waveform:
         y, u = seen[0], seen[1]  # an array is slow to unpack
         low, high = bounds(motion, track.states)
         return cls(
-            motion=motion, track=track, y=y, u=u, low=low, high=high,
-            top=int(y.argmax()), bottom=int(y.argmin()),
+            motion=motion, track=track, k=track.k, states=track.states, y=y, u=u,
+            low=low, high=high, top=int(y.argmax()), bottom=int(y.argmin()),
         )  # fmt: skip
 
     def closer(self, final: float, band: float) -> "Waveform":
@@ -71,16 +73,6 @@ class Waveform:
             track = filled(wave.motion, wave.track, [left[0]])
             wave = Waveform.of(wave.motion, track, final, band)
         return wave
-
-    @property
-    def k(self) -> Indices:
-        """Return the samples at which the state is known, shape (K,)."""
-        return self.track.k
-
-    @property
-    def states(self) -> Array:
-        """Return the state there, shape (N, K)."""
-        return self.track.states
 
     def highest(self, sign: float) -> tuple[float, float]:
         """Return (time in s, sign * y) where that is largest at the samples."""
