@@ -101,8 +101,9 @@ class Held:
         low, row = list(enumerate((*self.low, -1.0))), [*row, 0.0]
         rows = [row]
         for j in range(1, self.terms(t)):
-            step, top, shifted = t / j, row[-2], [0.0, *row[:-2], 0.0]
-            row = [(shifted[i] - top * a) * step for i, a in low]
+            step, top, row = t / j, row[-2], [0.0, *row[:-2], 0.0]
+            for i, a in low:
+                row[i] = (row[i] - top * a) * step
             rows.append(row)
         return rows
 
