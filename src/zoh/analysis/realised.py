@@ -191,9 +191,11 @@ def _in_delta(parts: Sequence[Sequence[int]], half: tuple[int, int]) -> list[lis
     rounded.
     """
     n, (p, q) = len(parts[0]) - 1, half
-    units = [p**j * q ** (n - j) for j in range(n + 1)]
-    scaled = [list(map(mul, a, units)) for a in parts]
-    return [[sum(map(mul, row, a)) for row in _weights(n)] for a in scaled]
+    units, weights, found = [p**j * q ** (n - j) for j in range(n + 1)], _weights(n), []
+    for a in parts:
+        scaled = [*map(mul, a, units)]
+        found.append([sum(map(mul, row, scaled)) for row in weights])
+    return found
 
 
 @lru_cache(maxsize=64)
