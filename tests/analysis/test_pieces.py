@@ -131,15 +131,17 @@ def test_bernsteins_coefficients_by_hand():
         bernstein(3)[0, 0] = 2.0
 
 
-def test_a_half_by_hand():
+def test_a_half_by_hand(monkeypatch):
     """De Casteljau on (0, 0, 1), t^2: (t/2)^2 has (0, 0, 1/4), ((1 + t)/2)^2 has 1/4, 1/2, 1."""
     assert pieces._halved([0.0, 0.0, 1.0]) == ([0.0, 0.0, 0.25], [0.25, 0.5, 1.0])
-    assert list(pieces._brackets([-1.0, 1.0], 0.0, 1.0)) == [(0.0, 1.0, (-1.0, 1.0))]
-    assert list(pieces._brackets([1.0, -1.0], 0.25, 0.5)) == [(0.25, 0.5, (1.0, -1.0))]
-    assert list(pieces._brackets([1.0, 2.0, 0.0], 0.0, 1.0)) == []
+    monkeypatch.setattr(Piece, "_root", lambda piece, level, *bracket: bracket)
+    crossings = Piece([], [])._crossings
+    assert list(crossings(0.0, [-1.0, 1.0], 0.0, 1.0)) == [(0.0, 1.0, (-1.0, 1.0))]
+    assert list(crossings(0.0, [1.0, -1.0], 0.25, 0.5)) == [(0.25, 0.5, (1.0, -1.0))]
+    assert list(crossings(0.0, [1.0, 2.0, 0.0], 0.0, 1.0)) == []
     # (1 - 2 t)^2 - 1/4 falls in the left half and rises in the right
     halves = [(0.0, 0.5, (0.75, -0.25)), (0.5, 1.0, (-0.25, 0.75))]
-    assert list(pieces._brackets([0.75, -1.25, 0.75], 0.0, 1.0)) == halves
+    assert list(crossings(0.0, [0.75, -1.25, 0.75], 0.0, 1.0)) == halves
 
 
 @pytest.mark.parametrize("root", [1 / 3, 0.3, 0.7, 0.1, 0.6180339887498949])

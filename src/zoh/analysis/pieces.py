@@ -63,13 +63,30 @@ class Piece:
         return Piece(a, [d * (q - p) for p, q in pairwise(self.b)])
 
     def crossings(self, level: float) -> Iterator[float]:
-        """Yield where the polynomial crosses a level, in order.
+        """Return where the polynomial crosses a level, in order.
 
         >>> list(Piece.of(np.array([0.0, 0.0, 4.0])).crossings(1.0))
         [0.5]
         """
-        for low, high, ends in _brackets([c - level for c in self.b], 0.0, 1.0):
-            yield self._root(level, low, high, ends)
+        return self._crossings(level, [c - level for c in self.b], 0.0, 1.0)
+
+    def _crossings(self, level: float, b: list[float], low: float, high: float) -> Iterator[float]:
+        """Yield the crossings between two times, in order.
+
+        b  Bernstein's coefficients between these times, less the level
+        """
+        changes, below = 0, b[0] < 0
+        for c in b:
+            if (c < 0) != below:
+                below = not below
+                changes += 1
+        if changes == 1:
+            yield self._root(level, low, high, (b[0], b[-1]))
+        elif changes and high - low > _NARROW:
+            left, right = _halved(b)
+            middle = (low + high) / 2
+            yield from self._crossings(level, left, low, middle)
+            yield from self._crossings(level, right, middle, high)
 
     def highest(self) -> tuple[float, float]:
         """Return (t, value) where the polynomial is largest on [0, 1].
@@ -142,24 +159,6 @@ def _horner(a: Array, t: Array) -> Array:
     for row in a[::-1]:
         total = total * t + row
     return total
-
-
-def _brackets(
-    b: list[float], low: float, high: float
-) -> Iterator[tuple[float, float, tuple[float, float]]]:
-    """Yield, in order, (low, high, values at both), intervals with exactly one change of sign."""
-    changes, below = 0, b[0] < 0
-    for c in b:
-        if (c < 0) != below:
-            below = not below
-            changes += 1
-    if changes == 1:
-        yield low, high, (b[0], b[-1])
-    elif changes and high - low > _NARROW:
-        left, right = _halved(b)
-        middle = (low + high) / 2
-        yield from _brackets(left, low, middle)
-        yield from _brackets(right, middle, high)
 
 
 def _halved(b: list[float]) -> tuple[list[float], list[float]]:
