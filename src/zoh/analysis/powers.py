@@ -10,7 +10,7 @@ a matrix in floats).
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise
-from math import inf
+from math import inf, isfinite
 from typing import Any
 
 import numpy as np
@@ -152,7 +152,8 @@ class Powers:
         A rounding of what it is made of is so many roundings of the state: see ``_shown`` for
         where that is no loss.
         """
-        reach = np.abs(states).max(axis=1)
+        # "C": the numbers of a state side by side, where their largest is found in no time
+        reach = np.abs(states, order="C").max(axis=1)
         return self._most(reach, lambda: np.abs(self.seen.dot(states)).max(axis=1))
 
     def _most(self, reach: Array, sizes: Callable[[], Array]) -> float:
@@ -160,7 +161,7 @@ class Powers:
         ways = [*self._taken.values()]
         if self.wholly:
             ways = [self._rounded(i) for i in range(len(self._wholes))]
-        if not float(reach.max()) < inf:
+        if not all(map(isfinite, reach.tolist())):
             return inf
         if not ways:
             return 0.0
