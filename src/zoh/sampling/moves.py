@@ -65,13 +65,11 @@ class Moves:
         """Return Phi(t) - I beside Gamma(t), shape (n, n + 1), t in samples."""
         n, e = len(self.scaled.den) - 1, self.exponent
         bits = self.held if t == 1 else self.bits  # over a whole sample the hold has been
-        derivative, column = np.arange(n)[:, None], np.arange(n + 1)
-        powers = derivative - column
-        # sigma^j P has no power below j, and den none below its roots at 0
-        by_structure = (powers >= 0) & (column < n - self.scaled.moving)
+        powers = np.arange(n)[:, None] - np.arange(n + 1)  # derivative less column
         while True:
             rows, errors = self._rows(t, bits, e * powers, seen=False)
-            errors[by_structure] = 0.0
+            for j in range(n - self.scaled.moving):
+                errors[j:, j] = 0.0  # sigma^j P has no power below j, den none below its roots at 0
             sizes = np.abs(rows)
             allowed = np.maximum(_SURE * sizes, _NOTHING * sizes.max(axis=1, keepdims=True))
             missing = _missing(errors, allowed)
@@ -87,8 +85,9 @@ class Moves:
         n, e = len(self.scaled.den) - 1, self.exponent
         unit, doublings = frexp(span * self.ratio)
         doublings += e
-        weights = np.array([[unit**j / factorial(j)] for j in range(terms)])
-        units = doublings * np.arange(terms)[:, None] + e * np.arange(n, -1, -1) + self.scaled.gain
+        weights = np.array([unit**j / factorial(j) for j in range(terms)])[:, None]
+        column = e * np.arange(n, -1, -1) + self.scaled.gain
+        units = doublings * np.arange(terms)[:, None] + column
         bits = self.bits + max(0, doublings * terms)
         while True:
             rows, errors = self._rows(t, bits, units, seen=True)
@@ -97,7 +96,7 @@ class Moves:
             allowed = np.maximum(_SURE * sizes, _NOTHING * sizes.max())
             missing = _missing(errors * weights, allowed)
             if not missing or bits > _MOST:
-                return rows * self.ratio ** (n - np.arange(n + 1.0))
+                return rows * self.ratio ** np.arange(n, -1.0, -1.0)
             bits += missing
 
     def _rows(
