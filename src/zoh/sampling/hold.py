@@ -205,6 +205,6 @@ def _samples(dead_time: float, compute_delay: float, dt: float) -> tuple[int, bo
 def _lead(m: int, dead_time: float, compute_delay: float, dt: float) -> Ratio:
     """Return e = m dt - dead_time - compute_delay in s; floats are fractions over powers of 2."""
     parts = [x.as_integer_ratio() for x in (dt, dead_time, compute_delay)]
-    bottom = max(b for _, b in parts)
-    period, dead, compute = (a * (bottom // b) for a, b in parts)
+    bottom = max([b for _, b in parts])
+    period, dead, compute = [a * (bottom // b) for a, b in parts]
     return m * period - dead - compute, bottom
