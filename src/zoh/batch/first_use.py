@@ -134,7 +134,7 @@ def _files() -> tuple[Path, ...]:
     one.
     """
     here = Path(__file__).with_name("compiled")
-    read = [(f.name, f.read_bytes()) for f in sorted(here.glob("*.py"))]
+    read = [(f.name, f.read_bytes()) for f in sorted(here.rglob("*.py"))]
     read.append(("tolerances", Path(__file__).with_name("tolerances.py").read_bytes()))
     of = sha256(repr((read, version("numba"), machine.processor())).encode()).hexdigest()[:16]
     folders = [here / "__pycache__"]

@@ -7,12 +7,15 @@ import numpy.typing as npt
 
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import between, laws, motion, steps, turns, work
+from zoh.batch.compiled.abreast import group
+from zoh.batch.compiled.abreast.hold import hold
+from zoh.batch.compiled.abreast.room import LOOPS
 from zoh.batch.compiled.addresses import codes, numbers
-from zoh.batch.compiled.jit import compiled, object_file
+from zoh.batch.compiled.jit import compiled, object_file, shared
 from zoh.batch.compiled.machine import WHOLES
 from zoh.batch.compiled.margins import measured
 from zoh.batch.compiled.modes import modes
-from zoh.batch.compiled.places import CROSSOVER, GAINS, GIVEN, MARGINS, PM, STEPS
+from zoh.batch.compiled.places import CROSSOVER, GAINS, GIVEN, MARGINS, PID, PM, STEPS
 from zoh.batch.compiled.plant import held
 from zoh.batch.compiled.polynomials import on_axis, times
 from zoh.batch.compiled.stability import stable
@@ -22,6 +25,7 @@ _FLOAT = 8  # bytes
 _GRID = np.geomspace(1e-7, 1e4, 45)  # of |p|
 
 OK, INFEASIBLE, UNSTABLE, OFF_TARGET = 0, 1, 2, 4  # of ``Reason``
+ALONE = 2  # of ``left``, for as long as the kernel has it: a loop to be done by itself
 
 
 @compiled
@@ -61,21 +65,34 @@ def one(
         return False
     if measured(w, degree, x, dt, margin):
         return True
-    size = motion.closed(w, n, c, delay)
-    if not abs(p.numbers[2] * (1.0 - work.motion(w).numbers[0])) <= HELD:  # of the final value
-        return True
     slowest = modes(w, degree, x)
+    if response(w, n, c, delay, lead, degree, slowest, dt, reference, step):
+        return True
+    reason[i] = OK if code == GIVEN else judged(margin, wc, pm_deg)
+    return False
+
+
+@shared
+def response(
+    w: int, n: int, c: int, delay: int, lead: float, degree: int, slowest: float, dt: float,
+    reference: float, step: Array,
+) -> bool:  # fmt: skip
+    """Write the metrics of the step response; return any doubt. The modes are known."""
+    size = motion.closed(w, n, c, delay)
+    off = work.plant(w).numbers[2] * (1.0 - work.motion(w).numbers[0])
+    if not abs(off) <= HELD:  # of the final value
+        return True
     count = between.cut(w, n, delay, lead, size)
     if n > 2:
         turns.weigh(w, n, delay, count)
-    if steps.step_metrics(w, count, n, degree, size, slowest, dt, reference, step):
-        return True
-    reason[i] = OK
-    if code != GIVEN:
-        off = abs(margin[PM] - pm_deg) > ON_TARGET or abs(margin[CROSSOVER] / wc - 1.0) > ON_TARGET
-        if off:
-            reason[i] = OFF_TARGET
-    return False
+    return steps.step_metrics(w, count, n, degree, size, slowest, dt, reference, step)
+
+
+@compiled
+def judged(margin: Array, wc: float, pm_deg: float) -> int:
+    """Return whether a loop has what was asked for."""
+    off = abs(margin[PM] - pm_deg) > ON_TARGET or abs(margin[CROSSOVER] / wc - 1.0) > ON_TARGET
+    return OFF_TARGET if off else OK
 
 
 @compiled
@@ -136,17 +153,58 @@ def stretch(
     left      what is not regular comes in 1; what floats cannot decide goes out 1
     """
     above, below, times_, lates = numbers(num), numbers(den), numbers(dt), numbers(delay)
-    leads, at, margins, spares, poles = (
+    leads, at, degs, spares, poles = (
         numbers(lead), numbers(wc), numbers(pm_deg), numbers(spare), numbers(pole)
     )  # fmt: skip
-    why, doubt = codes(reason), codes(left)
+    why, doubt, waiting = codes(reason), codes(left), 0
+    loops, degree = work.abreast(w).loop, 4 if code == PID else 3
     for i in range(count):
-        if doubt[i] == 0 and one(
-            w, code, order, reference, above, below, times_[i], int(lates[i]), leads[i], at[i],
-            margins[i], spares[i], poles[i], i, count, numbers(gains + i * GAINS * _FLOAT),
-            numbers(margin + i * MARGINS * _FLOAT), numbers(step + i * STEPS * _FLOAT), why,
-        ):  # fmt: skip
-            doubt[i] = 1
+        if doubt[i] == 0:
+            if order == 2 and 0 < code < GIVEN and lates[i] == 0.0 and leads[i] == 0.0:
+                group.put(w, waiting, i, above, below, count, times_[i], at[i])
+                waiting += 1
+            else:
+                doubt[i] = ALONE
+        if waiting < LOOPS and (waiting == 0 or i < count - 1):
+            continue
+        hold(w)
+        for lane in range(waiting):
+            j = int(loops[lane])
+            spare_room = group.solved(w, lane, code, degs[j], spares[j], poles[j])
+            if not abs(spare_room) > ROOM:
+                doubt[j] = ALONE
+            elif spare_room < 0.0:
+                why[j] = INFEASIBLE
+            else:
+                continue
+            loops[lane] = -1.0
+        group.looked_at(w, degree)
+        for lane in range(waiting):
+            j = int(loops[lane])
+            if j < 0:
+                continue
+            group.gains(w, lane, numbers(gains + j * GAINS * _FLOAT))
+            if group.unstable(w, lane):
+                why[j] = UNSTABLE
+                continue
+            row = numbers(margin + j * MARGINS * _FLOAT)
+            if not group.proved(w, lane, row):
+                doubt[j] = ALONE
+                continue
+            slowest = group.take(w, lane, degree)
+            to = numbers(step + j * STEPS * _FLOAT)
+            doubt[j] = int(
+                response(w, 2, degree - 2, 0, 0.0, degree, slowest, times_[j], reference, to)
+            )
+            why[j] = judged(row, at[j], degs[j])
+        waiting = 0
+    for i in range(count):
+        if doubt[i] == ALONE:
+            doubt[i] = int(one(
+                w, code, order, reference, above, below, times_[i], int(lates[i]), leads[i], at[i],
+                degs[i], spares[i], poles[i], i, count, numbers(gains + i * GAINS * _FLOAT),
+                numbers(margin + i * MARGINS * _FLOAT), numbers(step + i * STEPS * _FLOAT), why,
+            ))  # fmt: skip
 
 
 def machine_code() -> tuple[str, bytes]:

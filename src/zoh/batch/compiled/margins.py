@@ -4,7 +4,7 @@ from math import atan, atan2, degrees, inf, nan, pi, radians, sqrt
 
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
-from zoh.batch.compiled.jit import compiled
+from zoh.batch.compiled.jit import compiled, shared
 from zoh.batch.compiled.peaks import lowest
 from zoh.batch.compiled.places import (
     BANDWIDTH,
@@ -172,7 +172,7 @@ def least(w: int, b: Array, n: int, side: int) -> tuple[float, bool]:
     return lowest(w, lines.aa, b, n, q, lines.sides[VALLEY, side] > 0.0)
 
 
-@compiled
+@shared
 def measured(w: int, n: int, x: float, dt: float, out: Array) -> bool:
     """Write every figure of the loop; return any doubt."""
     if n == 4:  # of the usual degree the compiler knows every place beforehand

@@ -10,10 +10,10 @@ import numpy as np
 
 from zoh.batch.compiled import work
 from zoh.batch.compiled.jit import compiled, shared
-from zoh.batch.compiled.room import LANES, WIDE
+from zoh.batch.compiled.room import LANES, WIDE, Motion
 from zoh.batch.tolerances import APART, GONE, REST, SHOWN, TURN
 
-_ROOTS = 60  # Aberth's steps at most
+ROOTS = 60  # Aberth's steps at most
 _GONE = 345.0  # the decay of a mode that is gone in one sample
 _VALUE, _VALUE_I, _SLOPE, _SLOPE_I, _OTHERS, _OTHERS_I = range(6)  # rows of the room, for roots
 _REAL, _IMAG, _ROOT, _ROOT_I, _OTHER = range(5)  # and for weights
@@ -28,7 +28,7 @@ def _starts() -> "np.ndarray[tuple[int, int, int], np.dtype[np.float64]]":
     return found
 
 
-_STARTS = _starts()
+STARTS = _starts()
 
 
 @compiled
@@ -47,7 +47,7 @@ def modes(w: int, n: int, x: float) -> float:
 def side_by_side(w: int, n: int, x: float, wide: int) -> float:
     """Do what ``modes`` does in so many lanes."""
     start(w, n)
-    for _ in range(_ROOTS):
+    for _ in range(ROOTS):
         values(w, n, wide)
         if not approach(w, n, wide):
             break
@@ -66,7 +66,7 @@ def start(w: int, n: int) -> None:
         radius = abs(m.turn[i] / m.turn[i + 1])
         if not 0.0 < radius < inf:
             radius = 1.0
-        m.re[i], m.im[i] = radius * _STARTS[0, n, i], radius * _STARTS[1, n, i]
+        m.re[i], m.im[i] = radius * STARTS[0, n, i], radius * STARTS[1, n, i]
 
 
 @compiled
@@ -132,10 +132,16 @@ def decays(w: int, n: int, x: float) -> float:
         m.re[i], m.im[i] = ((1.0 + a) * (1.0 - a) - b * b) * part, 2.0 * b * part
         m.turn[i], m.creeping[i] = 2.0 * sqrt(a * a + b * b), 4.0 * a * part  # |z|^2 - 1
         nearest = max(nearest, m.creeping[i])
+    return alone(m, n, nearest)
+
+
+@compiled
+def alone(m: Motion, n: int, nearest: float) -> float:
+    """Return the least decay, and turn |z|^2 - 1 of each mode into whether it is that one's."""
     slowest = min(-0.5 * log1p(nearest), _GONE)
     for i in range(n):
-        alone = m.creeping[i] == nearest and abs(m.im[i]) <= 1e-9 * slowest * m.re[i]
-        m.creeping[i] = 1.0 if alone else 0.0
+        creeps = m.creeping[i] == nearest and abs(m.im[i]) <= 1e-9 * slowest * m.re[i]
+        m.creeping[i] = 1.0 if creeps else 0.0
     return slowest
 
 

@@ -1,7 +1,7 @@
 """What Python and compiled code agree on: laws by number, and figures by their places in a row."""
 
 CODES = {"p": 0, "pi": 1, "pd": 2, "pid": 3, "lag": 4, "lead": 5, "given": 6}
-GIVEN = CODES["given"]
+PID, GIVEN = CODES["pid"], CODES["given"]
 GAINS = 4  # at most, of a law
 
 GM, PHASE_CROSSOVER, PM, CROSSOVER, DELAY, MODULUS, MS, MT, DISK, BANDWIDTH = range(10)

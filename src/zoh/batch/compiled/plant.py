@@ -11,7 +11,7 @@ from zoh.batch.compiled.room import LATE, ORDER, WHOLE
 from zoh.batch.compiled.transfer import transfer
 from zoh.batch.tolerances import EULERS, SERIES, SLOW, SMALL
 
-_NOTHING = 1e-18
+NOTHING = 1e-18
 
 
 def _eulers() -> Array:
@@ -27,8 +27,8 @@ def _eulers() -> Array:
     return found
 
 
-_EULER = _eulers()
-_PART = 1.0 / np.maximum(np.arange(SERIES + ORDER + 1.0), 1.0)
+EULER = _eulers()
+RECIPROCAL = 1.0 / np.maximum(np.arange(SERIES + ORDER + 1.0), 1.0)
 _FACTORIAL = np.cumprod(np.concatenate([[1.0], np.arange(1.0, EULERS + 2)]))
 
 
@@ -73,7 +73,7 @@ def hold(w: int, n: int, dt: float, lead: float) -> None:
     euler = 0
     if reach <= SLOW:
         size = 1.0
-        while euler < EULERS and (euler < n + 2 or size > _NOTHING):
+        while euler < EULERS and (euler < n + 2 or size > NOTHING):
             euler += 1
             size *= reach / pi if euler > n else 1.0
     count = max(terms + n, euler) + 1
@@ -110,9 +110,9 @@ def hold(w: int, n: int, dt: float, lead: float) -> None:
 def needed(reach: float) -> int:
     """Return how many terms the exponential's series needs."""
     m, size = 0, 1.0
-    while m < SERIES and size > _NOTHING:
+    while m < SERIES and size > NOTHING:
         m += 1
-        size *= reach * _PART[m]
+        size *= reach * RECIPROCAL[m]
     return m
 
 
@@ -121,12 +121,12 @@ def nyquist(h: Array, count: int, lead: float) -> float:
     """Return the gain at z = -1 from E_k(lead)/k! = sum_j E_j(0)/j! lead^(k-j)/(k-j)!."""
     total = 0.0
     for k in range(1, count + 1):
-        value = _EULER[k]
+        value = EULER[k]
         if lead > 0.0:
             power = 1.0
             for j in range(k - 1, -1, -1):
                 power *= lead
-                value += _EULER[j] * power / _FACTORIAL[k - j]
+                value += EULER[j] * power / _FACTORIAL[k - j]
         total += value * h[k - 1]
     return total
 
@@ -164,7 +164,7 @@ def advance(w: int, n: int, terms: int, halvings: int, t: float, which: int) -> 
             delta[i, j] = 0.0
     weight = 1.0
     for m in range(1, terms + 1):
-        weight *= t * _PART[m]
+        weight *= t * RECIPROCAL[m]
         for i in range(n):
             b[i] += weight * h[m - 1 + i]
             for j in range(n):

@@ -16,6 +16,7 @@ from zoh.batch.backend import CORES
 from zoh.batch.chunks import in_chunks
 from zoh.batch.columns import Columns, Results, length
 from zoh.batch.compiled import layout, places, room
+from zoh.batch.compiled.abreast.room import LENGTH
 from zoh.batch.compiled.machine import Kernel
 from zoh.batch.figures import gain_names
 from zoh.batch.first_use import cores, kernel
@@ -71,7 +72,7 @@ def run(
 
 def _work(job: Job) -> Array:
     """Return the arrays of one core, a given controller written into them."""
-    floats = layout.stretch(room.LENGTH)
+    floats = layout.stretch(LENGTH)
     if job.controller is None:
         return floats
     given, law = job.controller, room.LAW.of(floats)

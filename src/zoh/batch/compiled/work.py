@@ -1,7 +1,9 @@
 """The arrays of one loop as compiled code sees them, given the address of its room."""
 
 from zoh.batch.compiled import room
+from zoh.batch.compiled.abreast.room import ABREAST
 from zoh.batch.compiled.addresses import arrays
 
 plant, law, motion = arrays(room.PLANT), arrays(room.LAW), arrays(room.MOTION)
 pieces, lines, track = arrays(room.PIECES), arrays(room.LINES), arrays(room.TRACK)
+abreast = arrays(ABREAST)
