@@ -43,19 +43,27 @@ def approach(w: int, n: int) -> bool:
     """Move the roots by one step of Aberth's; return whether any of them has moved far."""
     r, far = work.abreast(w), 0
     s, re, im, at = r.room, r.re, r.im, r.roots
+    for k in range(2 * n):
+        for i in range(LOOPS):
+            at[k, i] = 0.0
+    for k in range(n):  # the sums of 1/(root - another); each pair's is worked out once
+        for m in range(k + 1, n):
+            for i in range(LOOPS):
+                dr, di = re[k, i] - re[m, i], im[k, i] - im[m, i]
+                square = dr * dr + di * di
+                part = 1.0 / (square if square > 0.0 else 1.0)
+                dr, di = dr * part, di * part
+                at[2 * k, i] += dr
+                at[2 * k + 1, i] -= di
+                at[2 * m, i] -= dr
+                at[2 * m + 1, i] += di
     for k in range(n):
         for i in range(LOOPS):
-            a, b = re[k, i], im[k, i]
+            a, b, tr, ti = re[k, i], im[k, i], at[2 * k, i], at[2 * k + 1, i]
             fr, fi, sr, si = s[_TERM + n, i], 0.0, 0.0, 0.0
             for m in range(n - 1, -1, -1):
                 sr, si = sr * a - si * b + fr, sr * b + si * a + fi
                 fr, fi = fr * a - fi * b + s[_TERM + m, i], fr * b + fi * a
-            tr, ti = 0.0, 0.0
-            for m in range(n):
-                dr, di = a - re[m, i], b - im[m, i]
-                square = dr * dr + di * di
-                part = 1.0 / (square if square > 0.0 else 1.0)
-                tr, ti = tr + dr * part, ti - di * part
             qr, qi = sr - (fr * tr - fi * ti), si - (fr * ti + fi * tr)
             square = qr * qr + qi * qi
             part = 1.0 / (square if square > 0.0 else 1.0)

@@ -1,8 +1,6 @@
 """Where three quotients of each of the loops side by side are least; see ``quotients``."""
 
-from math import inf
-
-import numpy as np
+from math import inf, log
 
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
@@ -10,7 +8,8 @@ from zoh.batch.compiled.abreast.room import LOOPS, QUOTIENTS
 from zoh.batch.compiled.jit import compiled
 from zoh.batch.tolerances import DOUBLE, GRID
 
-_HALF = 0.5 * float(np.log(GRID[1] / GRID[0]))
+_APART = float(GRID[1] / GRID[0])  # neighbours on the grid
+_HALF = 0.5 * log(_APART)
 _LAST = 1e-6  # relative: the error after a Newton's step as small as this is its square
 _CLOSED = 1e-15  # relative: a bracket with nothing left in it
 _STEPS = 100
@@ -18,8 +17,8 @@ _STEPS = 100
 # it still moves, 1.0 where it ended by Newton's method in a valley; values, the least one on the
 # grid and beside it; the terms of numerator - value denominator and what is said of them
 (
-    Q, _LOW, _HIGH, _MOVED, _MOVES, _VALLEY, _BEST, _BEFORE, _AFTER, _LAST_ONE, _NEW, LEAST, _PARTS,
-) = range(13)  # fmt: skip
+    Q, _LOW, _HIGH, _MOVED, _MOVES, _VALLEY, _BEST, _BEFORE, _AFTER, _LAST_ONE, LEAST, _PARTS,
+) = range(12)  # fmt: skip
 
 
 @compiled
@@ -54,23 +53,17 @@ def about(w: int, n: int) -> None:
     room, over, under = r.valleys, r.over, r.under
     for i in range(QUOTIENTS):
         room[_LAST_ONE, i] = ratio(over, under, n, i, GRID[0])
-        room[_BEST, i], room[_BEFORE, i], room[_AFTER, i] = inf, inf, inf
-        room[Q, i], room[_LOW, i], room[_HIGH, i], room[_NEW, i] = 1.0, 1.0, 1.0, 0.0
+        room[_BEST, i], room[_BEFORE, i], room[_AFTER, i], room[Q, i] = inf, inf, inf, 1.0
     for j in range(1, len(GRID)):
-        x, lower, higher = GRID[j], GRID[j - 1], GRID[min(j + 1, len(GRID) - 1)]
-        end = 0.0 if j < len(GRID) - 1 else inf
+        x, lower, end = GRID[j], GRID[j - 1], 0.0 if j < len(GRID) - 1 else inf
         for i in range(QUOTIENTS):
-            value, last = ratio(over, under, n, i, x), room[_LAST_ONE, i]
+            value, last, q = ratio(over, under, n, i, x), room[_LAST_ONE, i], room[Q, i]
             before, after, least = room[_BEFORE, i], room[_AFTER, i], room[_BEST, i]
-            q, low, high = room[Q, i], room[_LOW, i], room[_HIGH, i]
-            room[_AFTER, i] = value if room[_NEW, i] > 0.0 else after
             best = value + end < least
+            room[_AFTER, i] = value if q == lower else after
             room[_BEFORE, i] = last if best else before
             room[_BEST, i] = value if best else least
             room[Q, i] = x if best else q
-            room[_LOW, i] = lower if best else low
-            room[_HIGH, i] = higher if best else high
-            room[_NEW, i] = 1.0 if best else 0.0
             room[_LAST_ONE, i] = value
     for i in range(QUOTIENTS):
         before, here, after = room[_BEFORE, i], room[_BEST, i], room[_AFTER, i]
@@ -78,8 +71,9 @@ def about(w: int, n: int) -> None:
         t = _HALF * (before - after) / bend if bend > 0.0 else 0.0
         t = t if t > -2.0 * _HALF else -2.0 * _HALF
         t = t if t < 2.0 * _HALF else 2.0 * _HALF
-        even, odd = 12.0 + t * t, 6.0 * t
-        room[Q, i] *= (even + odd) / (even - odd)
+        even, odd, q = 12.0 + t * t, 6.0 * t, room[Q, i]
+        room[Q, i] = q * ((even + odd) / (even - odd))
+        room[_LOW, i], room[_HIGH, i] = q / _APART, q * _APART
         room[_MOVED, i], room[_MOVES, i], room[_VALLEY, i] = inf, 1.0, 0.0
 
 
