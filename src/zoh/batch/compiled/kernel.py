@@ -161,19 +161,20 @@ def stretch(
     for i in range(count):
         if doubt[i] == 0:
             if order == 2 and 0 < code < GIVEN and lates[i] == 0.0 and leads[i] == 0.0:
-                group.put(w, waiting, i, above, below, count, times_[i], at[i])
+                group.put(w, waiting, i, above, below, count, times_[i], at[i], degs[i])
                 waiting += 1
             else:
                 doubt[i] = ALONE
         if waiting < LOOPS and (waiting == 0 or i < count - 1):
             continue
         hold(w)
+        group.aim(w)
         for lane in range(waiting):
             j = int(loops[lane])
-            spare_room = group.solved(w, lane, code, degs[j], spares[j], poles[j])
-            if not abs(spare_room) > ROOM:
+            room = group.solved(w, lane, code, spares[j], poles[j])
+            if not abs(room) > ROOM:
                 doubt[j] = ALONE
-            elif spare_room < 0.0:
+            elif room < 0.0:
                 why[j] = INFEASIBLE
             else:
                 continue

@@ -14,11 +14,7 @@ def solve(
     law: Law, p: Plant, n: int, delay: int, code: int, x: float, dt: float, pm_deg: float,
     spare: float, lag: float,
 ) -> int:  # fmt: skip
-    """Write the law; return its order. spare: ki or dc_gain; lag: of the filter, in p.
-
-    numbers: direct, room in rad (nan: floats do not tell), then the gains in the order of
-    ``figures.gain_names``
-    """
+    """Write the law; return its order. spare: ki or dc_gain; lag: of the filter, in p."""
     a, b, _, _ = on_axis(p.top, n, x)
     c, d, _, _ = on_axis(p.bottom, n, x)
     size = sqrt((a * a + b * b) / (c * c + d * d))
@@ -26,11 +22,23 @@ def solve(
     if delay:
         turn += 2.0 * delay * atan(x)
     theta = turn - 2.0 * pi * round(turn / (2.0 * pi))
-    real, imag = cos(theta) / size, sin(theta) / size
-    out = law.numbers
     if resonant(p.top, n, x, sqrt(a * a + b * b)) or resonant(p.bottom, n, x, sqrt(c * c + d * d)):
-        out[1] = nan
+        law.numbers[1] = nan
         return 0
+    return aimed(law, code, size, theta, cos(theta), sin(theta), x, dt, spare, lag)
+
+
+@compiled
+def aimed(
+    law: Law, code: int, size: float, theta: float, cosine: float, sine: float, x: float, dt: float,
+    spare: float, lag: float,
+) -> int:  # fmt: skip
+    """Write the law that turns by theta where the plant's gain is this size; return its order.
+
+    numbers: direct, room in rad (nan: floats do not tell), then the gains in the order of
+    ``figures.gain_names``
+    """
+    real, imag, out = cosine / size, sine / size, law.numbers
     if code == 0:
         law.num[0], law.den[0] = 1.0 / size, 1.0
         out[0], out[1], out[2] = 1.0 / size, SAME_TURN - abs(theta), 1.0 / size
@@ -45,8 +53,8 @@ def solve(
     if code <= 3:
         return pid(law, size, theta, imag, real, x, dt, spare if code == 3 else 0.0, lag, code == 3)
     ratio = spare * size
-    turn = x * sin(theta)
-    zero, corner = turn / (1.0 / ratio - cos(theta)), turn / (cos(theta) - ratio)
+    turn = x * sine
+    zero, corner = turn / (1.0 / ratio - cosine), turn / (cosine - ratio)
     law.num[0], law.num[1], law.den[0], law.den[1] = spare, spare / zero, 1.0, 1.0 / corner
     share = 1.0 / (1.0 + law.den[1])
     far = (law.num[0] + law.num[1]) * share

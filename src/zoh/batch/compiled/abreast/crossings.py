@@ -4,10 +4,12 @@ The usual loop has one of each, and Descartes' rule says so: what has more goes 
 ``zoh.batch.compiled.margins``, one at a time.
 """
 
-from math import inf, sqrt
+from math import inf, pi, sqrt
 
+from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
-from zoh.batch.compiled.abreast.room import DT, LOOPS
+from zoh.batch.compiled.abreast.angles import angle
+from zoh.batch.compiled.abreast.room import DT, LOOPS, X
 from zoh.batch.compiled.abreast.rows import CHANGES, ROOT, on_axis, only_roots
 from zoh.batch.compiled.jit import compiled
 from zoh.batch.tolerances import DROP, UNITY
@@ -15,9 +17,15 @@ from zoh.batch.tolerances import DROP, UNITY
 _POLISH = 3
 _LAST = 1e-8  # relative: the error after a Newton's step as small as this is its square
 _AT_ONE = 1e-10  # of its terms: what is left of the gain at the crossover it was solved at
-# rows of what is found: v where the gain is 1, and -(re, im) of L |den|^2 there; the same factor
-# that brings L to -1, and v; q of the bandwidth, or nan
-V, RE, IM, LATE, GM, V_180, Q_DROP = range(7)
+# rows of what is found: v where the gain is 1, then rad/s, the turn from -180 deg there, a delay
+# that needs no turn; the factor that brings L to -1, v, then rad/s; where |T| has fallen by 3 dB
+_V, WC, TURN, LATE, GM, _V_180, W_180, W_DROP = range(8)
+
+
+@compiled
+def frequency(plant: Array, i: int, v: float) -> float:
+    """Return rad/s of u = jv in lane i; u = p/x."""
+    return float(2.0 / plant[DT, i] * angle(plant[X, i] * v, 1.0))
 
 
 @compiled
@@ -50,28 +58,32 @@ def by_gain(w: int, n: int) -> None:
         one &= int(abs(top - bottom) > UNITY * bottom)
         one &= int(abs(abs(num[0, i]) - abs(den[0, i])) > UNITY * abs(den[0, i]))
         fine[i] = 1.0 if one else 0.0
-        found[V, i], found[LATE, i] = 1.0, inf if top < bottom else r.plant[DT, i]
+        found[_V, i], found[LATE, i] = 1.0, inf if top < bottom else r.plant[DT, i]
     for i in range(LOOPS):
         rest[0, i] = 1.0  # where it still moves
     for _ in range(_POLISH):
         far = 0
         for i in range(LOOPS):
-            v, moves = found[V, i], rest[0, i]
+            v, moves = found[_V, i], rest[0, i]
             a, b, of_a, of_b = on_axis(num, n, i, v)
             c, d, of_c, of_d = on_axis(den, n, i, v)
             square_n, square_d = a * a + b * b, c * c + d * d
             slope = -((of_b * a - of_a * b) / square_n - (of_d * c - of_c * d) / square_d)
             step = (square_n - square_d) / ((square_n + square_d) * slope)
             on = int(abs(step) > _LAST * v) & int(moves > 0.0)
-            found[V, i] = v - step if moves > 0.0 else v
+            found[_V, i] = v - step if moves > 0.0 else v
             rest[0, i] = 1.0 if on else 0.0
             far |= on
         if far == 0:
             break
     for i in range(LOOPS):
-        a, b, _, _ = on_axis(num, n, i, found[V, i])
-        c, d, _, _ = on_axis(den, n, i, found[V, i])
-        found[RE, i], found[IM, i] = -(a * c + b * d), -(b * c - a * d)
+        a, b, _, _ = on_axis(num, n, i, found[_V, i])
+        c, d, _, _ = on_axis(den, n, i, found[_V, i])
+        found[TURN, i] = angle(-(b * c - a * d), -(a * c + b * d))
+        wc = frequency(r.plant, i, found[_V, i])
+        found[WC, i] = wc
+        known = int(wc > 0.0) & int(abs(found[TURN, i]) <= pi) & int(fine[i] > 0.0)
+        fine[i] = 1.0 if known else 0.0
 
 
 @compiled
@@ -94,29 +106,29 @@ def by_phase(w: int, n: int, degree: int) -> None:
     for i in range(LOOPS):
         one, v = int(fine[i] > 0.0) & int(r.search[CHANGES, i] == 1.0), sqrt(r.search[ROOT, i])
         fine[i] = 1.0 if one else 0.0
-        found[V_180, i] = v if one else 1.0
+        found[_V_180, i] = v if one else 1.0
         r.rest[0, i] = 1.0
     for _ in range(_POLISH):
         far = 0
         for i in range(LOOPS):
-            v, moves = found[V_180, i], r.rest[0, i]
+            v, moves = found[_V_180, i], r.rest[0, i]
             a, b, of_a, of_b = on_axis(num, n, i, v)
             c, d, of_c, of_d = on_axis(den, n, i, v)
             step = (b * c - a * d) / (of_a * c + of_b * d - a * of_c - b * of_d)
             on = int(abs(step) > _LAST * v) & int(moves > 0.0)
-            found[V_180, i] = v - step if moves > 0.0 else v
+            found[_V_180, i] = v - step if moves > 0.0 else v
             r.rest[0, i] = 1.0 if on else 0.0
             far |= on
         if far == 0:
             break
     for i in range(LOOPS):
-        a, b, _, _ = on_axis(num, n, i, found[V_180, i])
-        c, d, _, _ = on_axis(den, n, i, found[V_180, i])
+        a, b, _, _ = on_axis(num, n, i, found[_V_180, i])
+        c, d, _, _ = on_axis(den, n, i, found[_V_180, i])
         product, square = a * c + b * d, c * c + d * d
         sure = int(product * product >= 1e-20 * (a * a + b * b) * square) & int(fine[i] > 0.0)
         fine[i] = 1.0 if sure else 0.0
         factor = -square / product
-        nearest, gm, v = inf, inf, found[V_180, i]
+        nearest, gm, v = inf, inf, found[_V_180, i]
         good = int(factor > 0.0) & int(factor < inf)
         away = factor if factor > 1.0 else 1.0 / factor
         nearest, gm = away if good else nearest, factor if good else gm
@@ -128,7 +140,7 @@ def by_phase(w: int, n: int, degree: int) -> None:
         away = factor if factor > 1.0 else 1.0 / factor
         good = int(factor > 0.0) & int(factor < inf) & int(away < nearest)
         gm, v = factor if good else gm, inf if good else v
-        found[GM, i], found[V_180, i] = gm, v
+        found[GM, i], found[W_180, i] = gm, frequency(r.plant, i, v)
 
 
 @compiled
@@ -149,4 +161,4 @@ def by_drop(w: int, n: int) -> None:
         for k in range(n - 1, -1, -1):
             slope = slope * x + value
             value = value * x + low[k, i]
-        found[Q_DROP, i] = x - value / slope
+        found[W_DROP, i] = frequency(r.plant, i, sqrt(x - value / slope))

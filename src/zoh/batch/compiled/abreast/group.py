@@ -3,10 +3,11 @@
 What takes the mathematical library, and the step response, is done one lane after the other.
 """
 
-from math import nan, tan
+from math import inf, nan, pi, sqrt
 
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import laws, work
+from zoh.batch.compiled.abreast.angles import angle, sine_cosine
 from zoh.batch.compiled.abreast.margins import found, margins
 from zoh.batch.compiled.abreast.modes import modes
 from zoh.batch.compiled.abreast.room import (
@@ -15,15 +16,20 @@ from zoh.batch.compiled.abreast.room import (
     B0,
     B1,
     BOTTOM,
+    COSINE,
     DELTA,
     DT,
     ENTERS,
     FIRST,
     LOOPS,
     OFF,
+    PM_DEG,
     REACH,
     SECOND,
+    SINE,
+    SIZE,
     TOP,
+    TURN,
     UNIT,
     X,
 )
@@ -32,35 +38,58 @@ from zoh.batch.compiled.jit import compiled, shared
 from zoh.batch.compiled.modes import alone
 from zoh.batch.compiled.places import GAINS
 from zoh.batch.compiled.room import LATE, WHOLE
-from zoh.batch.tolerances import HELD
+from zoh.batch.tolerances import HELD, RESONANT
 
 _NUM, _DEN, _DIRECT, _RESIDUES, _LEADS, _ENTERS, _MOVES, _GAINS = 0, 1, 2, 3, 5, 7, 9, 13
 
 
 @compiled
 def put(
-    w: int, lane: int, i: int, num: Array, den: Array, count: int, dt: float, wc: float
-) -> None:
+    w: int, lane: int, i: int, num: Array, den: Array, count: int, dt: float, wc: float,
+    pm_deg: float,
+) -> None:  # fmt: skip
     """Put loop i of so many in a lane."""
     r = work.abreast(w)
     p = r.plant
     r.loop[lane] = i
     p[B0, lane], p[B1, lane] = num[i], num[count + i]
     p[A0, lane], p[A1, lane] = den[i], den[count + i]
-    p[DT, lane], p[X, lane] = dt, tan(wc * dt / 2.0)
+    p[DT, lane], p[X, lane], p[PM_DEG, lane] = dt, wc, pm_deg
 
 
 @compiled
-def solved(w: int, lane: int, code: int, pm_deg: float, spare: float, pole: float) -> float:
+def aim(w: int) -> None:
+    """Write what gain each lane's plant has at its crossover, and what turn is missing there."""
+    p = work.abreast(w).plant
+    for i in range(LOOPS):
+        x = p[X, i]
+        a, b = p[TOP, i] - x * x * p[TOP + 2, i], x * p[TOP + 1, i]
+        c, d = p[BOTTOM, i] - x * x * p[BOTTOM + 2, i], x * p[BOTTOM + 1, i]
+        over, under = a * a + b * b, c * c + d * d
+        turn = (p[PM_DEG, i] - 180.0) * (pi / 180.0) - angle(b * c - a * d, a * c + b * d)
+        turn = turn + 2.0 * pi if turn < -pi else turn
+        turn = turn - 2.0 * pi if turn > pi else turn
+        p[TURN, i], p[SIZE, i] = turn, sqrt(over / under)
+        p[SINE, i], p[COSINE, i] = sine_cosine(turn)
+        top, bottom = abs(p[TOP + 2, i]), abs(p[BOTTOM + 2, i])
+        top, bottom = top * x + abs(p[TOP + 1, i]), bottom * x + abs(p[BOTTOM + 1, i])
+        top, bottom = top * x + abs(p[TOP, i]), bottom * x + abs(p[BOTTOM, i])
+        clear = int(sqrt(over) > RESONANT * top) & int(sqrt(under) > RESONANT * bottom)
+        clear &= int(abs(turn) <= pi)
+        off = p[OFF, i]
+        p[OFF, i] = off if clear else inf
+
+
+@compiled
+def solved(w: int, lane: int, code: int, spare: float, pole: float) -> float:
     """Write the law of a lane; return the room that it has, nan where floats do not tell."""
-    r, p, law = work.abreast(w), work.plant(w), work.law(w)
+    r, law = work.abreast(w), work.law(w)
     q, dt = r.plant, r.plant[DT, lane]
     if not abs(q[OFF, lane]) <= HELD:
         return nan
-    for k in range(3):
-        p.top[k], p.bottom[k] = q[TOP + k, lane], q[BOTTOM + k, lane]
     lag = 2.0 / (pole * dt) if pole > 0.0 else 1.0
-    laws.solve(law, p, 2, 0, code, q[X, lane], dt, pm_deg, spare, lag)
+    size, turn, cosine, sine = q[SIZE, lane], q[TURN, lane], q[COSINE, lane], q[SINE, lane]
+    laws.aimed(law, code, size, turn, cosine, sine, q[X, lane], dt, spare, lag)
     kept = r.law[lane]
     for k in range(3):
         r.law_num[k, lane], r.law_den[k, lane] = law.num[k], law.den[k]

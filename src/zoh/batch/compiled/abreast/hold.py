@@ -3,6 +3,7 @@
 from math import inf, pi, sqrt
 
 from zoh.batch.compiled import work
+from zoh.batch.compiled.abreast.angles import sine_cosine
 from zoh.batch.compiled.abreast.room import (
     A0,
     A1,
@@ -22,6 +23,7 @@ from zoh.batch.compiled.abreast.room import (
     TERMS,
     TOP,
     UNIT,
+    X,
 )
 from zoh.batch.compiled.jit import compiled
 from zoh.batch.compiled.plant import EULER, NOTHING, RECIPROCAL
@@ -48,6 +50,8 @@ def scaled(w: int) -> None:
     p, s = work.abreast(w).plant, work.abreast(w).room
     for i in range(LOOPS):
         dt = p[DT, i]
+        sine, cosine = sine_cosine(0.5 * p[X, i] * dt)
+        p[X, i] = sine / cosine
         a0, a1, b0, b1 = p[A0, i] * (dt * dt), p[A1, i] * dt, p[B0, i] * (dt * dt), p[B1, i] * dt
         reach, other = 2.0 * sqrt(abs(a0)), 2.0 * abs(a1)
         reach = reach if reach > other else other

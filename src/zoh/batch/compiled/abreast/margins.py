@@ -1,26 +1,24 @@
 """All margins of loops side by side, and what becomes of the loops; see ``compiled.margins``."""
 
-from math import atan2, degrees, inf, nan, radians, sqrt
+from math import degrees, inf, nan, radians, sqrt
 
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import places, work
 from zoh.batch.compiled.abreast.crossings import (
     GM,
-    IM,
     LATE,
-    Q_DROP,
-    RE,
-    V_180,
-    V,
+    TURN,
+    W_180,
+    W_DROP,
+    WC,
     by_drop,
     by_gain,
     by_phase,
 )
-from zoh.batch.compiled.abreast.room import DT, LOOPS, X
+from zoh.batch.compiled.abreast.room import LOOPS
 from zoh.batch.compiled.abreast.rows import on_axis, squared
 from zoh.batch.compiled.abreast.valleys import LEAST, Q, valleys
 from zoh.batch.compiled.jit import compiled
-from zoh.batch.compiled.margins import frequency
 from zoh.batch.tolerances import ON_IT_DEG
 
 
@@ -81,19 +79,17 @@ def found(w: int, i: int, out: Array) -> bool:
     r = work.abreast(w)
     if not r.fine[i] > 0.0:
         return False
-    x, dt, of = r.plant[X, i], r.plant[DT, i], r.found
-    pm = degrees(atan2(of[IM, i], of[RE, i]))
+    of = r.found
+    pm, wc = degrees(of[TURN, i]), of[WC, i]
     if pm <= -180.0:
         pm = 180.0
-    wc = frequency(x, dt, of[V, i])
     late = 0.0 if abs(pm) < ON_IT_DEG else radians(pm if pm > 0.0 else pm + 360.0) / wc
     out[places.PM], out[places.CROSSOVER], out[places.DELAY] = pm, wc, min(late, of[LATE, i])
-    out[places.GM], out[places.PHASE_CROSSOVER] = of[GM, i], nan
-    if of[GM, i] < inf:
-        out[places.PHASE_CROSSOVER] = frequency(x, dt, of[V_180, i])
+    out[places.GM] = of[GM, i]
+    out[places.PHASE_CROSSOVER] = of[W_180, i] if of[GM, i] < inf else nan
     _, den, both = r.sizes[0, i], r.sizes[1, i], r.sizes[2, i]
     out[places.MODULUS], out[places.MS] = both / den, den / both
     out[places.MT] = r.sizes[0, LOOPS + i] / r.sizes[2, LOOPS + i]
     out[places.DISK] = 2.0 * r.sizes[2, 2 * LOOPS + i] / r.sizes[3, 2 * LOOPS + i]
-    out[places.BANDWIDTH] = frequency(x, dt, sqrt(of[Q_DROP, i]))
+    out[places.BANDWIDTH] = of[W_DROP, i]
     return True

@@ -12,12 +12,12 @@ _POWERS = 5  # of a loop, at most
 # rows of a plant: what it is (then in samples, then in the unit), its sample time, p where it
 # crosses; the norm of A dt, the unit, by how many halvings, with how many terms; the motion by a
 # sample; Markov's first two parameters; the transfer function; a[rest]/b[0], and how far off the
-# gain at rest has come out
+# gain at rest has come out; what is asked, and what gain there is at x and what turn is missing
 (
     A0, A1, B0, B1, DT, X, REACH, UNIT, HALVINGS, TERMS, DELTA, _, _, _, ENTERS, _, FIRST, SECOND,
-    TOP, _, _, BOTTOM, _, _, AT_REST, OFF,
-) = range(26)  # fmt: skip
-_SEARCH, _FOUND, _VALLEYS, _WORK = 9, 7, 12 + _POWERS, 10  # rows of those who use them
+    TOP, _, _, BOTTOM, _, _, AT_REST, OFF, PM_DEG, SIZE, TURN, COSINE, SINE,
+) = range(31)  # fmt: skip
+_SEARCH, _FOUND, _VALLEYS, _WORK = 9, 10, 12 + _POWERS, 10  # rows of those who use them
 KEPT = 24  # numbers of a law
 
 
@@ -66,7 +66,7 @@ class Abreast(NamedTuple):
 _LINE, _MODES = (_POWERS, LOOPS), (_POWERS - 1, LOOPS)
 _SHARES = ((_POWERS - 1) ** 2, LOOPS)
 ABREAST = Layout(
-    Abreast, room.LENGTH, plant=(26, LOOPS), law=(LOOPS, KEPT), loop=(LOOPS,),
+    Abreast, room.LENGTH, plant=(31, LOOPS), law=(LOOPS, KEPT), loop=(LOOPS,),
     law_num=(3, LOOPS), law_den=(3, LOOPS), num=_LINE, den=_LINE, nn=_LINE, dd=_LINE, aa=_LINE,
     bb=_LINE, some=_LINE, rest=_LINE, search=(_SEARCH, LOOPS), found=(_FOUND, LOOPS),
     fine=(LOOPS,), said=(2, LOOPS), over=(_POWERS, QUOTIENTS), under=(_POWERS, QUOTIENTS),
