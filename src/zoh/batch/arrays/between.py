@@ -2,8 +2,9 @@
 
 Over a piece of a sample, in which the input is held, the output is one Taylor series. Where it
 rises at the beginning of a piece and falls at the end there is a crest; a cubic through both ends
-and both slopes tells which crest is the highest, and the series how high it is. A plant of three
-poles or more can turn twice in a piece: see ``turns`` for where that is looked for.
+and both slopes tells about how high it is and so which ones may be the highest, and the series how
+high those are. A plant of three poles or more can turn twice in a piece: see ``turns`` for where
+that is looked for.
 """
 
 from dataclasses import dataclass
@@ -16,7 +17,7 @@ from zoh.batch.arrays import rows as polynomials
 from zoh.batch.arrays.held import Held, advanced
 from zoh.batch.arrays.motion import Motion
 from zoh.batch.arrays.rows import Array, Mask
-from zoh.batch.tolerances import BERNSTEIN, FLAT, REACH, TAYLOR
+from zoh.batch.tolerances import BERNSTEIN, CUBIC, FLAT, REACH, TAYLOR
 
 _LAST = 1e-15  # of the piece: a step this small is rounding
 
@@ -26,6 +27,7 @@ class Piece:
     """A part of every sample: rows on Z, shape (N, B), and its ends as parts of a sample.
 
     y, slope at the begin and at the end (per sample);  state, shape (n, N, B), and the input
+    reach  |s| of the plant's poles, at most, times the piece
     """
 
     begin: Array
@@ -36,6 +38,7 @@ class Piece:
     slope1: Array
     state: Array
     input: Array
+    reach: Array
 
 
 def pieces(plant: Held, motion: Motion, delay: int) -> list[Piece]:
@@ -58,6 +61,7 @@ def pieces(plant: Held, motion: Motion, delay: int) -> list[Piece]:
             Piece(
                 begin=begin, end=end, y0=at[0] + plant.direct * u, y1=after[0] + plant.direct * u,
                 slope0=_slope(plant, at, u), slope1=_slope(plant, after, u), state=at, input=u,
+                reach=_reach(plant) * (end - begin) * plant.samples,
             )
         )  # fmt: skip
         at = after
@@ -92,14 +96,26 @@ def estimate(y0: Array, y1: Array, slope0: Array, slope1: Array) -> Array:
     return np.where((slope0 > 0) & (slope1 < 0), np.maximum(cubic, np.maximum(y0, y1)), -np.inf)
 
 
+def doubtful(reach: Array, slope0: Array, slope1: Array) -> Array:
+    """Return by how much a crest of a plant of one or two poles may differ from ``estimate``.
+
+    reach  |s| of the poles, at most, times the piece
+
+    The cubic is off by max |y|/384 at most, and y is a sum of the slope's bends times the
+    poles' s: below reach^2 (slope0 - slope1)/64, which is 8 times the most that two million pieces
+    had. What a fast pole does in a piece no cubic tells.
+    Source: P. J. Davis, Interpolation and Approximation, sec. 3.1 (the error of Hermite's cubic).
+    """
+    return np.where(reach <= CUBIC, reach * reach * (slope0 - slope1) / 64, np.inf)
+
+
 def crest(plant: Held, piece: Piece, z: Array, sign: Array) -> tuple[Array, Array, Mask]:
     """Return (the height of the crest in a piece at Z, its time in samples, whether it is known).
 
     -inf where there is none; y is counted in the direction of ``sign``.
     """
     x, u = np.sum(piece.state * z, axis=1) * sign, np.sum(piece.input * z, axis=0) * sign
-    span = (piece.end - piece.begin) * plant.samples
-    reach = _reach(plant) * span
+    span, reach = (piece.end - piece.begin) * plant.samples, piece.reach
     series = _series(plant, x, u, span, _needed(float(reach.max(initial=0.0)), len(x)))
     slope = polynomials.derivative(series)
     rises = (slope[0] > 0) & (np.sum(slope, axis=0) < 0)

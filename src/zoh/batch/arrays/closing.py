@@ -7,7 +7,7 @@ import numpy as np
 from zoh.batch.arrays.between import Piece, crest
 from zoh.batch.arrays.crests import Late, Passed, earlier, highest, outside
 from zoh.batch.arrays.held import Held
-from zoh.batch.arrays.look import Part, Seen
+from zoh.batch.arrays.look import Part, Seen, Suspects
 from zoh.batch.arrays.motion import Motion
 from zoh.batch.arrays.rows import Array, Index, Mask, only, taken
 from zoh.batch.arrays.turns import Turns
@@ -40,17 +40,15 @@ def _below(level: float, part: Part, z: Array) -> Mask:
 
 
 def between(
-    plant: Held, parts: list[Piece], sign: Array, size: Array, seen: Seen, at_crest: Array,
-    late: Late, turns: Turns | None,
+    plant: Held, parts: list[Piece], sign: Array, size: Array, seen: Seen,
+    met: list[list[Suspects]], late: Late, turns: Turns | None,
 ) -> tuple[Array, Array, Mask]:  # fmt: skip
     """Return (the highest value at all times, the time of it in samples, whether it is known)."""
     top, when, known = seen.top.copy(), seen.k_top.copy(), np.ones(len(sign), bool)
     tries: list[Try] = []
-    for number, part in enumerate(parts):
-        (who,) = np.nonzero((seen.piece == number + 0.5) & (seen.crest > top))
-        top[who], when[who] = seen.crest[who], seen.k_crest[who] + part.end[who]
-        (who,) = np.nonzero(seen.piece == number)
-        tries.append((who, part, seen.k_crest[who], taken(at_crest, who)))
+    for part, found in zip(parts, met, strict=True):
+        crests = Suspects.above(found, len(late.z), np.maximum(top, seen.crest))
+        tries.append((crests.who, part, crests.k, crests.z))
         tries.append((late.who, part, late.k, late.z))
         tries.append((late.who, part, late.k + 1, late.after))
     for one in tries:

@@ -19,7 +19,7 @@ class Seen:
     """What was seen of each loop, y counted in the direction of its final value.
 
     k_*  samples: of the highest, of those first reaching 10 % and 90 %, of the last outside the
-    band; stride_* the stride at which it was met
+    band; stride_* the stride at which it was met;  crest  what a crest between is not below
     """
 
     top: Array
@@ -33,14 +33,41 @@ class Seen:
     stride_90: Array
     stride_out: Array
     crest: Array
-    k_crest: Array
-    piece: Array
 
     @classmethod
     def of(cls, count: int) -> "Seen":
         """Return what is seen before anything is."""
         start = {"top": -inf, "most": -inf, "least": inf, "crest": -inf}
         return cls(**{f.name: np.full(count, start.get(f.name, -1.0)) for f in fields(cls)})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Suspects:
+    """Samples k of loops ``who``, Z there, and what y is not above until the next one."""
+
+    who: Index
+    k: Array
+    z: Array
+    bound: Array
+
+    def only(self, keep: Mask) -> "Suspects":
+        """Return some of them."""
+        return Suspects(
+            who=self.who[keep], k=self.k[keep], z=self.z[:, keep], bound=self.bound[keep]
+        )
+
+    @classmethod
+    def above(cls, found: list["Suspects"], size: int, top: Array) -> "Suspects":
+        """Return those of all that may go as high as this; size: of Z."""
+        none = cls(
+            who=np.zeros(0, np.intp), k=np.zeros(0), z=np.zeros((size, 0)), bound=np.zeros(0)
+        )
+        some = [none, *(one.only(one.bound >= top[one.who]) for one in found)]
+        return cls(
+            who=np.concatenate([s.who for s in some]), k=np.concatenate([s.k for s in some]),
+            z=np.concatenate([s.z for s in some], axis=1),
+            bound=np.concatenate([s.bound for s in some]),
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -11,11 +11,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from zoh.batch.arrays.between import Piece, estimate, pieces
+from zoh.batch.arrays.between import Piece, doubtful, estimate, pieces
 from zoh.batch.arrays.closing import RISE, between, closed_in
 from zoh.batch.arrays.crests import Passed
 from zoh.batch.arrays.held import Held
-from zoh.batch.arrays.look import Seen, twice
+from zoh.batch.arrays.look import Seen, Suspects, twice
 from zoh.batch.arrays.modes import Modes, restless
 from zoh.batch.arrays.motion import Motion
 from zoh.batch.arrays.rows import Array, Complex, Index, Mask, joined, only, taken
@@ -37,12 +37,12 @@ def step_metrics(
     sign = np.where(motion.final < 0, -1.0, 1.0)
     parts = pieces(plant, motion, delay)
     turns = Turns.of(plant, motion, parts, delay) if len(plant.before) > 2 else None
-    seen, passed, at_crest, doubt = _followed(motion, parts, turns, sign, size, z)
+    seen, passed, met, doubt = _followed(motion, parts, turns, sign, size, z)
     late = closed_in(motion, sign, size, seen, passed)
     over = seen.top / size - 1
     most, least = np.maximum(seen.most, motion.at_rest), np.minimum(seen.least, motion.at_rest)
     reach = abs(reference)
-    highest, when, known = between(plant, parts, sign, size, seen, at_crest, late, turns)
+    highest, when, known = between(plant, parts, sign, size, seen, met, late, turns)
     beyond = highest / size - 1
     return {
         "between.overshoot_pct": np.where(beyond > NOTHING, 100 * beyond, 0.0),
@@ -87,10 +87,10 @@ class UnderWay:
 
 def _followed(
     motion: Motion, parts: list[Piece], turns: Turns | None, sign: Array, size: Array, z: Complex
-) -> tuple[Seen, Passed, Array, Mask]:
-    """Return what was seen, what passed, Z before the highest crest, and which were left early."""
-    seen, passed = Seen.of(len(size)), Passed.of(len(size))
-    doubt, at_crest = np.zeros(len(size), bool), np.zeros(motion.output.shape)
+) -> tuple[Seen, Passed, list[list[Suspects]], Mask]:
+    """Return what was seen, what passed, crests in each part, and which loops were left early."""
+    seen, passed, doubt = Seen.of(len(size)), Passed.of(len(size)), np.zeros(len(size), bool)
+    met: list[list[Suspects]] = [[] for _ in parts]
     modes, way = Modes.of(z, len(motion.delta)), UnderWay.of(motion, sign, size)
     for level in range(LEVELS):
         stride = 2.0**level
@@ -101,8 +101,8 @@ def _followed(
             ys, us = (_along(row, zs) for row in way.signals)
             if level == 0:
                 if turns is None:
-                    _note_crests(seen, at_crest, parts, who, zs, sign[who], k)
-                corners = _note_corners(seen, at_crest, parts, who, zs, sign[who], k)
+                    _note_crests(seen, met, parts, who, zs, sign[who], k)
+                corners = _note_corners(seen, met, parts, who, zs, sign[who], k)
             highest = seen.top[who]
             _note(seen, who, ys, size[who], k, stride)
             if level == 0 and turns is not None:
@@ -122,10 +122,10 @@ def _followed(
         doubt[way.who] = True
         way = joined(waiting)
         if not len(way.who):
-            return seen, passed, at_crest, doubt
+            return seen, passed, met, doubt
         way = replace(way, moved=twice(way.moved))
     doubt[way.who] = True
-    return seen, passed, at_crest, doubt
+    return seen, passed, met, doubt
 
 
 def _run(s: Array, z: Array) -> tuple[Array, Array]:
@@ -148,46 +148,45 @@ def _along(row: Array, zs: Array) -> Array:
 
 
 def _note_crests(
-    seen: Seen, at_crest: Array, parts: list[Piece], who: Index, zs: Array, sign: Array, k: Array
-) -> None:
-    """Note which piece of which sample has the highest crest, and Z before it."""
-    for number, part in enumerate(parts):
+    seen: Seen, met: list[list[Suspects]], parts: list[Piece], who: Index, zs: Array, sign: Array,
+    k: Array,
+) -> None:  # fmt: skip
+    """Note the crests in each piece of each sample that may be the highest."""
+    for part, found in zip(parts, met, strict=True):
         first, last = (_along(taken(row, who) * sign, zs) for row in (part.slope0, part.slope1))
         row, lane = np.nonzero((first > 0) & (last < 0))
         if len(lane):
             z, these, up = zs[row, :, lane].T, who[lane], sign[lane]
             y0, y1 = (np.sum(taken(y, these) * z, axis=0) * up for y in (part.y0, part.y1))
             span = (part.end - part.begin)[these]
-            heights = estimate(y0, y1, first[row, lane] * span, last[row, lane] * span)
-            _note_crest(seen, at_crest, heights, float(number), these, z, k[lane] + row)
+            slopes = first[row, lane] * span, last[row, lane] * span
+            height = estimate(y0, y1, *slopes)
+            off = doubtful(part.reach[these], *slopes)
+            _note_crest(seen, found, height - off, height + off, these, z, k[lane] + row)
 
 
 def _note_corners(
-    seen: Seen, at_crest: Array, parts: list[Piece], who: Index, zs: Array, sign: Array, k: Array
-) -> Array | None:
-    """Note the highest corner, and return all of them.
-
-    There the input changes within a sample, and the end of a piece is: ``piece`` and a half.
-    """
+    seen: Seen, met: list[list[Suspects]], parts: list[Piece], who: Index, zs: Array, sign: Array,
+    k: Array,
+) -> Array | None:  # fmt: skip
+    """Note the highest corner, where the input changes within a sample, and return all of them."""
     corner = None
-    for number, part in enumerate(parts[:-1]):
+    for part, found in zip(parts[:-1], met[:-1], strict=True):
         corner = _along(taken(part.y1, who) * sign, zs)
         best = np.argmax(corner, axis=0)
         height = np.take_along_axis(corner, best[None, :], axis=0)[0]
         z = zs[best, :, np.arange(len(who))].T
-        _note_crest(seen, at_crest, height, number + 0.5, who, z, k + best)
+        _note_crest(seen, found, height, height, who, z, k + best)
     return corner
 
 
 def _note_crest(
-    seen: Seen, at_crest: Array, heights: Array, piece: float, who: Index, z: Array, k: Array
+    seen: Seen, found: list[Suspects], least: Array, most: Array, who: Index, z: Array, k: Array
 ) -> None:
-    order = np.argsort(heights)  # of two of one loop the higher is written last
-    order = order[heights[order] > seen.crest[who[order]]]
-    which = who[order]
-    seen.crest[which], seen.k_crest[which] = heights[order], k[order]
-    seen.piece[which] = piece
-    at_crest[:, which] = taken(z, order)
+    np.maximum.at(seen.crest, who, least)
+    (may,) = np.nonzero(most >= np.maximum(seen.crest, seen.top)[who])
+    if len(may):
+        found.append(Suspects(who=who[may], k=k[may], z=taken(z, may), bound=most[may]))
 
 
 def _note_effort(seen: Seen, who: Index, us: Array) -> None:

@@ -13,24 +13,9 @@ import numpy as np
 
 from zoh.batch.arrays.between import Piece
 from zoh.batch.arrays.held import Held
+from zoh.batch.arrays.look import Suspects
 from zoh.batch.arrays.motion import Motion
-from zoh.batch.arrays.rows import Array, Index, Mask
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Suspects:
-    """Samples k of loops ``who``, Z there, and what y is not above until the next one."""
-
-    who: Index
-    k: Array
-    z: Array
-    bound: Array
-
-    def only(self, keep: Mask) -> "Suspects":
-        """Return some of them."""
-        return Suspects(
-            who=self.who[keep], k=self.k[keep], z=self.z[:, keep], bound=self.bound[keep]
-        )
+from zoh.batch.arrays.rows import Array, Index
 
 
 @dataclass(slots=True, kw_only=True)
@@ -107,15 +92,7 @@ class Turns:
 
     def above(self, top: Array) -> Suspects:
         """Return those that may go above what is known to be reached."""
-        none = Suspects(
-            who=np.zeros(0, np.intp), k=np.zeros(0), z=np.zeros((self.size, 0)), bound=np.zeros(0)
-        )
-        some = [none, *(one.only(one.bound > top[one.who]) for one in self.found)]
-        return Suspects(
-            who=np.concatenate([s.who for s in some]), k=np.concatenate([s.k for s in some]),
-            z=np.concatenate([s.z for s in some], axis=1),
-            bound=np.concatenate([s.bound for s in some]),
-        )  # fmt: skip
+        return Suspects.above(self.found, self.size, top)
 
 
 def _curvature(plant: Held, span: Array) -> tuple[Array, Array]:
