@@ -11,7 +11,7 @@ import zoh
 from zoh.batch import single
 from zoh.batch.arrays import between, held, turns
 from zoh.batch.arrays import run as arrays
-from zoh.batch.arrays.asked import _fastest, _turns_once
+from zoh.batch.arrays.asked import _fastest, _rates, _turns_once
 from zoh.batch.job import Job
 from zoh.batch.reason import Reason
 
@@ -322,7 +322,7 @@ def test_the_fastest_pole_is_bounded_by_hand():
     four = np.repeat([[1.0], [4.0], [6.0], [4.0], [1.0]], 4, axis=1)
     pair = np.repeat([[0.1], [1.0], [0.1], [1.0]], 4, axis=1)
     for den in (four, pair):
-        bound = _fastest(den, dt)
+        bound = _fastest(_rates(den, dt))
         assert (bound >= dt).all()
         assert (bound[1:] <= 1.17 * dt[1:]).all()
 

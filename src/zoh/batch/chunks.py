@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable
 import numpy as np
 import numpy.typing as npt
 
-from zoh.batch.columns import Columns, Results, empty, length
+from zoh.batch.columns import Columns, Results, length, unwritten
 from zoh.batch.job import Job
 
 Each = Callable[[Callable[[int], None], range], Iterable[None]]
@@ -15,19 +15,19 @@ Some = Callable[[Job, Columns, int], tuple[Results, npt.NDArray[np.bool_]]]
 def in_chunks(job: Job, columns: Columns, chunk: int, some: Some, each: Each = map) -> Results:
     """Return the results of a batch.
 
-    some  makes those of a chunk of so many loops, and says which it leaves
+    some  makes all those of a chunk of so many loops, and says which it leaves
     each  calls a function with every chunk's start, as ``map`` does, or a pool's
     """
     n = length(job, columns)
-    out = empty(job, n)
+    out = unwritten(job, n)
 
     def made(start: int) -> None:
         part = slice(start, min(start + chunk, n))
         here = {key: values[part] for key, values in columns.items()}
         found, left = some(job, here, part.stop - part.start)
         (which,) = np.nonzero(left)
-        for name, values in found.items():
-            out[name][part] = values
+        for name, values in out.items():
+            values[part] = found[name]
         if len(which):
             from zoh.batch import single  # what it needs is not needed where nothing is left
 

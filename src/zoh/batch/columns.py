@@ -50,13 +50,19 @@ def coefficients(job: Job, columns: Columns, n: int) -> tuple[FloatArray, FloatA
     return sources.coefficients(job.plant, columns, n)
 
 
-def empty(job: Job, n: int) -> Results:
-    """Return the columns of results of n loops of which nothing is known yet.
+def unwritten(job: Job, n: int) -> Results:
+    """Return the columns of results of n loops, each of them to be written.
 
     They are rows of one array: a system has one large stretch of memory ready sooner than many.
     """
     names = column_names(job.law)[:-2]
-    out: Results = dict(zip(names, np.full((len(names), n), np.nan), strict=True))
-    out["stable"] = np.zeros(n, bool)
-    out["reason"] = np.full(n, Reason.MALFORMED, np.int8)
+    out: Results = dict(zip(names, np.empty((len(names), n)), strict=True))
+    return out | {"stable": np.empty(n, bool), "reason": np.empty(n, np.int8)}
+
+
+def empty(job: Job, n: int) -> Results:
+    """Return the columns of results of n loops of which nothing is known yet."""
+    out = unwritten(job, n)
+    for name, values in out.items():
+        values.fill({"stable": False, "reason": Reason.MALFORMED}.get(name, np.nan))
     return out

@@ -1,6 +1,5 @@
 """What is asked of many loops at once, a column each, and which of them floats can answer."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -109,33 +108,58 @@ def batch(job: Job, columns: Columns, n: int) -> Batch:
         regular &= values > 0
     beyond = np.zeros(n, bool)
     num, den = num[::-1] * (job.plant.sensor / den[0]), den[::-1] / den[0]
-    regular &= _ordinary(job, num, den, dt, asked)
+    rates = _rates(den, dt)
+    regular &= _ordinary(job, [*num, *den, dt, *asked.values()], rates)
     if "pm_deg" in asked:
         beyond = regular & ~(asked["wc"] * dt < np.pi)
         regular &= (asked["pm_deg"] < 180) & ~beyond
-    ratio = late / dt
-    whole = np.abs(ratio - np.round(ratio)) <= 8 * np.spacing(ratio)
-    delay = np.where(whole, np.round(ratio), np.ceil(ratio))
+    delay, lead = _in_samples(late, dt)
     regular &= delay <= _DELAYS
-    lead = np.where(whole, 0.0, (delay * dt - late) / dt)
     num = np.concatenate([num, np.zeros((len(den) - len(num), n))])
-    regular &= _turns_once(den) | (_fastest(den, dt) <= _FASTEST)
+    regular &= _turns_once(den) | (_fastest(rates) <= _FASTEST)
     return Batch(
         num=num, den=den, dt=dt, delay=np.where(regular, delay, 0).astype(np.int64), lead=lead,
         asked=asked, regular=regular, beyond=beyond,
     )  # fmt: skip
 
 
-def _ordinary(job: Job, num: Array, den: Array, dt: Array, asked: Mapping[str, Array]) -> Mask:
-    """Return whether no power or product of a loop's numbers comes near the end of a float."""
+def _rates(den: Array, dt: Array) -> Array:
+    """Return the denominator in s dt, descending powers; den in ascending ones of s."""
+    rates, power = den[::-1].copy(), dt
+    for row in rates[1:]:
+        row *= power
+        power = power * dt
+    return rates
+
+
+def _in_samples(late: Array, dt: Array) -> tuple[Array, Array]:
+    """Return (the whole samples that are not less, by how much of one they are more)."""
+    if not late.any():
+        return late, late
+    ratio = late / dt
+    whole = np.abs(ratio - np.round(ratio)) <= 8 * np.spacing(ratio)
+    delay = np.where(whole, np.round(ratio), np.ceil(ratio))
+    return delay, np.where(whole, 0.0, (delay * dt - late) / dt)
+
+
+def _ordinary(job: Job, rows: list[Array], rates: Array) -> Mask:
+    """Return whether no power or product of a loop's numbers comes near the end of a float.
+
+    rows  the numbers;  rates  the denominator's in s dt
+    """
     given = [job.reference]
     if job.controller is not None:
         given += [*job.controller.num_w, *job.controller.den_w]
-    sizes = np.abs(np.vstack([num, den, dt, *asked.values()]))
-    within = (sizes == 0) | ((sizes >= 1 / _LARGE) & (sizes <= _LARGE))
-    rates = np.abs(den[::-1]) * dt ** np.arange(float(len(den)))[:, None]
     constant = all(x == 0 or 1 / _LARGE <= abs(x) <= _LARGE for x in given)
-    return np.asarray(constant & within.all(axis=0) & (rates <= _FAR).all(axis=0))
+    ordinary = np.full(rates.shape[1], constant)
+    for row in rows:
+        if not 1 / _LARGE <= row.min() <= row.max() <= _LARGE:  # the ends of a row cost the least
+            size = np.abs(row)
+            ordinary &= (size == 0) | ((size >= 1 / _LARGE) & (size <= _LARGE))
+    for row in rates:
+        if not -_FAR <= row.min() <= row.max() <= _FAR:
+            ordinary &= np.abs(row) <= _FAR
+    return ordinary
 
 
 def _turns_once(den: Array) -> Mask:
@@ -151,14 +175,13 @@ def _turns_once(den: Array) -> Mask:
     return np.full(den.shape[1], order < 2)
 
 
-def _fastest(den: Array, dt: Array) -> Array:
+def _fastest(a: Array) -> Array:
     """Return bounds of the poles' |s| dt, 1.17 times the truth at most where that matters.
 
-    den  monic, ascending powers of s
+    a  the plant's denominator in s dt, monic, descending powers
     Source: M. Fujiwara, Tohoku Math. J. 10 (1916), the bound; P. Henrici, Applied and Computational
     Complex Analysis, vol. 1, sec. 6.7 (Graeffe's squaring of the roots).
     """
-    a = den[::-1] * dt ** np.arange(float(len(den)))[:, None]
     bound = _fujiwara(a)
     if np.all(bound <= _FASTEST):
         return bound
@@ -173,5 +196,8 @@ def _fastest(den: Array, dt: Array) -> Array:
 
 
 def _fujiwara(a: Array) -> Array:
-    bounds = [np.abs(row) ** (1 / k) for k, row in enumerate(a) if k]
-    return np.asarray(2 * np.max(bounds, axis=0)) if bounds else np.zeros(a.shape[1])
+    most = np.zeros(a.shape[1])
+    for k, row in enumerate(a):
+        if k:
+            np.maximum(most, np.abs(row) ** (1 / k), out=most)
+    return np.asarray(2 * most)

@@ -132,7 +132,7 @@ def _results(job: Job, rows: list[Array], reason: npt.NDArray[np.int8]) -> Resul
     out: Results = {name: gains[:, place] for place, name in enumerate(gain_names(job.law))}
     for names, values in ((_MARGINS, margin), (_STEPS, step)):
         out |= {name: values[:, place] for name, place in names.items()}
-    out["stable"], out["reason"] = np.isin(reason, (Reason.OK, Reason.OFF_TARGET)), reason
+    out["stable"], out["reason"] = (reason == Reason.OK) | (reason == Reason.OFF_TARGET), reason
     return out
 
 
