@@ -1,6 +1,6 @@
 """The highest that one step response goes between its samples; see ``zoh.batch.arrays.between``."""
 
-from math import inf, sqrt
+from math import inf
 
 import numpy as np
 
@@ -11,9 +11,10 @@ from zoh.batch.compiled.plant import advanced
 from zoh.batch.compiled.room import PART, WHOLE, Pieces, Plant
 from zoh.batch.tolerances import BERNSTEIN, FLAT, REACH, TAYLOR
 
-_LAST = 1e-6  # of the piece: the error after a Newton's step as small as this is its square
+_LAST = 1e-4  # of the piece: the error after a step of Halley's as small as this is its cube
+_AT_ONCE = 4  # terms: so many loops have equally many, which a processor foresees
 _NOTHING = 1e-18
-PARTS = 1.0 / np.maximum(np.arange(TAYLOR + 2.0), 1.0)
+PARTS = 1.0 / np.maximum(np.arange(TAYLOR + _AT_ONCE + 1.0), 1.0)
 
 
 @compiled
@@ -92,8 +93,8 @@ def crest(
     w: int, piece: int, n: int, z: Array, sign: float, size: int
 ) -> tuple[float, float, bool]:
     """Return (the height of the crest in a piece at Z, its time in samples, whether known)."""
-    if n == 2:  # of the usual order the compiler knows every place beforehand
-        return crest_of(w, piece, 2, z, sign, size)
+    if n == 2 and size == 5:  # of the usual ones the compiler knows every place beforehand
+        return crest_of(w, piece, 2, z, sign, 5)
     return crest_of(w, piece, n, z, sign, size)
 
 
@@ -103,54 +104,70 @@ def crest_of(
 ) -> tuple[float, float, bool]:
     """Do what ``crest`` does."""
     p, q = work.plant(w), work.pieces(w)
-    g, h, span = q.series, q.slopes, (q.ends[piece + 1] - q.ends[piece]) * p.numbers[0]
-    reach = p.numbers[1] * (q.ends[piece + 1] - q.ends[piece])
-    u = 0.0
+    begin, part, g = q.ends[piece], q.ends[piece + 1] - q.ends[piece], q.series
+    reach = p.numbers[1] * part
+    derivatives(w, piece, n, z, sign, size)
+    terms = extended(q.derivatives, p.rows[n], n, reach)
+    falls, bends = taylor(q.derivatives, terms, part * p.numbers[0], g)
+    height, when = -inf, 0.0
+    if g[1] > 0.0 > falls:
+        t, height = summit(g, terms, near(g, g[1] / (g[1] - falls)))
+        when = begin + t * part
+    known = reach <= REACH
+    if n > 2 and 4.0 * abs(g[2]) <= bends:  # else the slope only falls, or only rises
+        known = known and turns(g, terms, FLAT * abs(g[0]), q.bernstein) <= 1
+    return height, when, known
+
+
+@compiled
+def derivatives(w: int, piece: int, n: int, z: Array, sign: float, size: int) -> None:
+    """Write y's first n derivatives at the beginning of a piece, from Z."""
+    p, q, u, last = work.plant(w), work.pieces(w), 0.0, 0.0
     for j in range(size):
         u += sign * q.input[piece, j] * z[j]
-    last = 0.0
     for i in range(n):
         x = 0.0
         for j in range(size):
             x += sign * q.state[piece, i, j] * z[j]
         last += p.rows[n, i] * x
-        g[i] = x + p.markov[i - 1] * u if i else x
-    g[n] = last + p.markov[n - 1] * u
-    terms, bulk = n, 1.0
-    while terms < TAYLOR and (terms < n + 2 or terms <= reach or bulk > _NOTHING):
-        terms += 1
-        bulk *= reach * PARTS[terms - n]
-        total = 0.0
-        for i in range(n):
-            total += p.rows[n, i] * g[terms - n + i]
-        g[terms] = total
-    weight, falls, bends = 1.0, 0.0, 0.0
-    for k in range(1, terms + 1):
-        weight *= span * PARTS[k]
-        g[k] *= weight
-        h[k] = k * g[k]
-        falls += h[k]
-        bends += (k - 1) * abs(h[k])
-    height, when = -inf, 0.0
-    if g[1] > 0.0 > falls:
-        t = turning(h, terms, near(g, g[1] / (g[1] - falls)))
-        value = g[terms]
-        for k in range(terms - 1, -1, -1):
-            value = value * t + g[k]
-        height = value
-        when = q.ends[piece] + t * (q.ends[piece + 1] - q.ends[piece])
-    known = reach <= REACH
-    if n > 2 and 2.0 * abs(h[2]) <= bends:  # else the slope only falls, or only rises
-        known = known and turns(h, terms, FLAT * abs(g[0]), q.bernstein) <= 1
-    return height, when, known
+        q.derivatives[i] = x + p.markov[i - 1] * u if i else x
+    q.derivatives[n] = last + p.markov[n - 1] * u
 
 
 @compiled
-def turns(h: Array, terms: int, flat: float, c: Array) -> int:
+def extended(g: Array, row: Array, n: int, reach: float) -> int:
+    """Write the derivatives after the first n, some at once, as many as count; return how many."""
+    terms, bulk = n, 1.0
+    while terms < TAYLOR and (terms <= reach or bulk > _NOTHING):
+        for _ in range(_AT_ONCE):
+            terms += 1
+            bulk *= reach * PARTS[terms - n]
+            total = 0.0
+            for i in range(n):
+                total += row[i] * g[terms - n + i]
+            g[terms] = total
+    return terms
+
+
+@compiled
+def taylor(f: Array, terms: int, span: float, g: Array) -> tuple[float, float]:
+    """Write Taylor's coefficients over a piece; return its slope at the end, and all its bends."""
+    weight, falls, bends = 1.0, 0.0, 0.0
+    g[0] = f[0]
+    for k in range(1, terms + 1):
+        weight *= span * PARTS[k]
+        g[k] = f[k] * weight
+        falls += k * g[k]
+        bends += (k - 1) * k * abs(g[k])
+    return falls, bends
+
+
+@compiled
+def turns(g: Array, terms: int, flat: float, c: Array) -> int:
     """Return how often the slope changes its sign at most; see ``zoh.batch.arrays.between``."""
     count, part = min(terms, BERNSTEIN + 1), 1.0
     for k in range(count):
-        c[k] = h[k + 1] * part
+        c[k] = (k + 1) * g[k + 1] * part
         part *= (k + 1.0) / (count - 1.0 - k)
     for i in range(1, count):
         for j in range(count - 1, i - 1, -1):
@@ -166,31 +183,38 @@ def turns(h: Array, terms: int, flat: float, c: Array) -> int:
 
 @compiled
 def near(g: Array, t: float) -> float:
-    """Return where the slope's first three terms are 0; t where that is not in (0, 1)."""
-    square = g[2] * g[2] - 3.0 * g[1] * g[3]
-    there = g[1] / (sqrt(max(square, 0.0)) - g[2])
+    """Return about where the slope is 0; t where that is not in (0, 1).
+
+    From its first five terms, by the first four of their inverse.
+    Source: M. Abramowitz, I. A. Stegun, Handbook of Mathematical Functions, 3.6.25.
+    """
+    part = 0.5 / g[2]
+    b, c, d, r = 3.0 * g[3] * part, 4.0 * g[4] * part, 5.0 * g[5] * part, -g[1] * part
+    there = r * (1.0 - r * (b - r * (2.0 * b * b - c - r * (5.0 * b * (b * b - c) + d))))
     return there if 0.0 < there < 1.0 else t
 
 
 @compiled
-def turning(h: Array, terms: int, t: float) -> float:
-    """Return where the slope, the sum of h_k t^(k-1), changes from rising to falling in (0, 1)."""
-    low, high = 0.0, 1.0
+def summit(g: Array, terms: int, t: float) -> tuple[float, float]:
+    """Return (where the slope of the sum of g_k t^k changes from rising to falling, the sum there).
+
+    That is in (0, 1). Source: E. Halley's steps, with Taylor's polynomial at the last one.
+    """
+    low, high, y = 0.0, 1.0, 0.0
     for _ in range(60):
-        f, df = h[terms], 0.0
-        for k in range(terms - 1, 0, -1):
-            df = df * t + f
-            f = f * t + h[k]
-        if f == 0.0:
-            return t
-        if f > 0.0:
+        y, slope, bend, third = g[terms], 0.0, 0.0, 0.0
+        for k in range(terms - 1, -1, -1):
+            third = third * t + bend
+            bend = bend * t + slope
+            slope = slope * t + y
+            y = y * t + g[k]
+        if slope > 0.0:
             low = t
         else:
             high = t
-        new = t - float(f / df)
-        if abs(new - t) <= _LAST:  # be it that rounding puts it on an end of the bracket, or behind
-            return new
-        if not low < new < high:
-            new = (low + high) / 2.0
-        t = new
-    return t
+        step = -2.0 * slope * bend / (4.0 * bend * bend - 3.0 * slope * third)
+        if abs(step) <= _LAST:  # be it that rounding puts it on an end of the bracket, or behind
+            return t + step, y + step * (slope + step * (bend + step * third))
+        new = t + step
+        t = new if low < new < high else (low + high) / 2.0
+    return t, y

@@ -84,7 +84,7 @@ class Motion(NamedTuple):
 class Pieces(NamedTuple):
     """The parts of every sample: rows on Z, and their ends as parts of a sample.
 
-    series, slopes, bernstein  y in one, its slope, and that as Bernstein's coefficients
+    derivatives, series, bernstein  y's in one; y by Taylor's coefficients, its slope by Bernstein's
     bends  of each state and input its weight, its rest and its row: see ``turns``
     """
 
@@ -96,7 +96,7 @@ class Pieces(NamedTuple):
     input: Array
     ends: Array
     series: Array
-    slopes: Array
+    derivatives: Array
     bernstein: Array
     bends: Array
 
@@ -157,7 +157,7 @@ MOTION = Layout(
 PIECES = Layout(
     Pieces, MOTION.end, y0=(2, SIZE), y1=(2, SIZE), slope0=(2, SIZE), slope1=(2, SIZE),
     state=(3, ORDER, SIZE), input=(2, SIZE), ends=(3,), series=(TAYLOR + ORDER + 1,),
-    slopes=(TAYLOR + ORDER + 1,), bernstein=(BERNSTEIN + 1,), bends=(3, ORDER + 2),
+    derivatives=(TAYLOR + ORDER + 1,), bernstein=(BERNSTEIN + 1,), bends=(3, ORDER + 2),
 )  # fmt: skip
 LINES = Layout(
     Lines, PIECES.end, num=(MOST,), den=(MOST,), nn=(MOST,), dd=(MOST,), aa=(MOST,), bb=(MOST,),
