@@ -1,10 +1,21 @@
 """A block at a stride of many samples; what it meets is closed in on at once by halving."""
 
+from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
 from zoh.batch.compiled.between import crest
-from zoh.batch.compiled.jit import shared
+from zoh.batch.compiled.jit import compiled, shared
+from zoh.batch.compiled.marks import (
+    above,
+    at_least,
+    below,
+    first_of,
+    highest,
+    lowest,
+    more,
+    outside,
+)
 from zoh.batch.compiled.room import BLOCK, PAST
-from zoh.batch.compiled.samples import shown
+from zoh.batch.compiled.samples import note, signals
 from zoh.batch.compiled.track import (
     FOUND,
     HIGHEST,
@@ -36,14 +47,23 @@ def long_stride(
     """Look at a block at a stride of 2^level; return whether a crest between is not known."""
     m, t = work.motion(w), work.track(w)
     block, zs, seen = t.block, t.states, t.seen
-    for i in range(PAST, PAST + BLOCK):
-        block[Y, i] = sign * block[0, i]
-    shown(m.effort, 1.0, block, U, size)
+    if size == 5:  # of the usual size the compiler knows every place beforehand
+        signals(w, sign, 5)
+    else:
+        signals(w, sign, size)
     ys, us = block[Y], block[U]
-    stride, unknown = 2.0**level, False
-    before, start = seen[K1], seen[K2]
-    for i in range(PAST, PAST + BLOCK):
-        here = k + (i - PAST) * stride
+    stride, found, unknown = 1.0 * (1 << level), met(ys, us, seen, full), False
+    if not found:
+        note(ys, us, seen, full, k, stride)
+        return False
+    past, past_it, noted = seen[K1], seen[K2], PAST
+    while found:
+        i = PAST + first_of(found)
+        found &= found - 1
+        passed_by(ys, us, seen, full, k, stride, noted, i)
+        noted, here = i, k + (i - PAST) * stride
+        before = here - stride if i > PAST else past
+        start = before - stride if i > PAST + 1 else past if i > PAST else past_it
         y, y1, y2 = ys[i], ys[i - 1], ys[i - 2]
         u, u1, u2 = us[i], us[i - 1], us[i - 2]
         if seen[TOP] < 0.1 * full <= y:
@@ -79,14 +99,49 @@ def long_stride(
             take(block, i - 2, size, zs[FOUND])
             least = crest_of_u(w, level, -1.0, start, here, size)
             seen[LEAST_U] = min(seen[LEAST_U], least)
+    passed_by(ys, us, seen, full, k, stride, noted, PAST + BLOCK)
+    seen[K1], seen[K2] = k + (BLOCK - 1) * stride, k + (BLOCK - 2) * stride
+    return unknown
+
+
+@compiled
+def passed_by(
+    ys: Array, us: Array, seen: Array, full: float, k: float, stride: float, first: int, end: int
+) -> None:  # fmt: skip
+    """Note what the samples from one to another show by themselves."""
+    for i in range(first, end):
+        y, u, here = ys[i], us[i], k + (i - PAST) * stride
         if y > seen[TOP]:
             seen[TOP], seen[K_TOP] = y, here
         seen[MOST_U], seen[LEAST_U] = max(seen[MOST_U], u), min(seen[LEAST_U], u)
         if abs(y - full) > BAND * full:
             seen[K_OUT] = here
-        before, start = here, before
-    seen[K1], seen[K2] = before, start
-    return unknown
+
+
+@compiled
+def met(y: Array, u: Array, seen: Array, full: float) -> int:
+    """Return marks: of the samples of a block at which there may be something to be closed in on.
+
+    That is 10 % or 90 % that are reached, an end of the band that is passed, or a sample before
+    that is higher or lower than those about it, about as far as that has been seen.
+    """
+    before, first, band = PAST - 1, PAST, BAND * full
+    found = outside(y, before, full, band) & ~outside(y, first, full, band)
+    top = highest(y, first)
+    if seen[TOP] < 0.1 * full <= top:
+        found |= 1 << first_of(at_least(y, first, 0.1 * full))
+    if seen[TOP] < 0.9 * full <= top:
+        found |= 1 << first_of(at_least(y, first, 0.9 * full))
+    peaks = more(y, before, first) & ~more(y, before - 1, before)
+    valleys = more(y, first, before) & ~more(y, before, before - 1)
+    found |= peaks & above(y, before, seen[TOP] - BELOW * full)
+    found |= (peaks | valleys) & outside(y, before, full, CREST * band)
+    most, least = max(seen[MOST_U], highest(u, first)), min(seen[LEAST_U], lowest(u, first))
+    near = BELOW * max(abs(most), abs(least))
+    peaks = more(u, before, first) & ~more(u, before - 1, before)
+    valleys = more(u, first, before) & ~more(u, before, before - 1)
+    found |= peaks & above(u, before, seen[MOST_U] - near)
+    return found | (valleys & below(u, before, seen[LEAST_U] + near))
 
 
 @shared

@@ -12,10 +12,11 @@ from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
 from zoh.batch.compiled.between import PARTS, crest
 from zoh.batch.compiled.jit import compiled, shared
+from zoh.batch.compiled.marks import at_least, first_of, highest
 from zoh.batch.compiled.room import BLOCK, LANES, PAST, Pieces
-from zoh.batch.compiled.samples import first, shown
+from zoh.batch.compiled.samples import shown
 from zoh.batch.compiled.track import FALL as BOUND
-from zoh.batch.compiled.track import HIGHEST, NEXT, OTHER, TOP, WHEN, U, Y, take
+from zoh.batch.compiled.track import HIGHEST, NEXT, TOP, WHEN, U, Y, take
 from zoh.batch.compiled.track import RISE as CORNER
 from zoh.batch.tolerances import NOTHING
 
@@ -83,10 +84,10 @@ def suspected(w: int, count: int, n: int, sign: float, full: float, k: float, si
         bent(q.bends, block, n + count, bound)
     if count == 2:
         shown(q.y1[0], sign, block, CORNER, size)
-    most = raised(block, zs[OTHER], sign, count)
+    most = raised(block, sign, count)
     best = max(max(seen[TOP], seen[HIGHEST]), full * (1.0 + NOTHING))
     while most > best:
-        i = PAST + first(bound, most)
+        i = PAST + first_of(at_least(bound, PAST, most))
         take(block, i, size, there)
         for piece in range(count):
             height, after, known = crest(w, piece, n, there, sign, size)
@@ -95,9 +96,8 @@ def suspected(w: int, count: int, n: int, sign: float, full: float, k: float, si
             if height > seen[HIGHEST]:
                 seen[HIGHEST], seen[WHEN] = height, k + (i - PAST) + after
         best = max(best, seen[HIGHEST])
-        bound[i], most = -inf, -inf
-        for j in range(PAST, _END):
-            most = bound[j] if bound[j] > most else most
+        bound[i] = -inf
+        most = highest(bound, PAST)
     return False
 
 
@@ -122,21 +122,13 @@ def bent(bends: Array, block: Array, columns: int, out: Array) -> None:
 
 
 @compiled
-def raised(block: Array, over: Array, sign: float, count: int) -> float:
+def raised(block: Array, sign: float, count: int) -> float:
     """Add the highest corner of each sample to its bound; return the highest bound."""
     bound, corner, y = block[BOUND], block[CORNER], block[Y]
-    for lane in range(LANES):
-        over[lane] = -inf
-    for i in range(PAST, _END, LANES):
-        for lane in range(LANES):
-            after = sign * block[0, i + lane + 1]
-            high = y[i + lane] if y[i + lane] > after else after
-            if count == 2:
-                high = corner[i + lane] if corner[i + lane] > high else high
-            x = high + bound[i + lane]
-            bound[i + lane] = x
-            over[lane] = x if x > over[lane] else over[lane]
-    most: float = over[0]
-    for lane in range(1, LANES):
-        most = over[lane] if over[lane] > most else most
-    return most
+    for i in range(PAST, _END):
+        after = sign * block[0, i + 1]
+        high = y[i] if y[i] > after else after
+        if count == 2:
+            high = corner[i] if corner[i] > high else high
+        bound[i] += high
+    return highest(bound, PAST)
