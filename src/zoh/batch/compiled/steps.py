@@ -44,16 +44,16 @@ from zoh.batch.compiled.track import (
     WHEN,
     ahead,
     along,
-    first_four,
+    first_ones,
     go_on,
     product,
     start,
-    take,
     twice,
 )
 from zoh.batch.compiled.turns import suspected
 from zoh.batch.tolerances import BAND, FAINT, FAR, LEVELS, LOST, NEAR, NOTHING, QUIET, TURN
 
+_NEXT = PAST + BLOCK  # the column of the sample after a block
 _CLOSE = 4.0 * BLOCK  # samples looked at one by one at least: what is met there costs the least
 
 
@@ -76,8 +76,8 @@ def step_metrics(
     end = max(8.0, ceil(QUIET / slowest) + 4.0 * size)
     k, stride, level, done, lost = 0.0, 1.0, 0, False, True
     while level < LEVELS:
-        twice(w, level + DOUBLINGS - 1, size)
-        first_four(w, level, size)
+        twice(w, level + DOUBLINGS - 1 if level else 0, level + DOUBLINGS, size)
+        first_ones(w, level, size)
         for _ in range(FAR // BLOCK):
             ahead(w, level, size)
             if level == 0:
@@ -87,12 +87,15 @@ def step_metrics(
             elif long_stride(w, count, n, level, sign, full, k, size):
                 return True
             k += BLOCK * stride
-            go_on(work.track(w).block, size)
             if k < _CLOSE and outside(w, sign, full):
+                go_on(work.track(w).block, size)
                 continue
             done, turning = look(w, sign, full, at_rest, order, size)
-            slow = turning * 2.0 * stride <= TURN and k >= _CLOSE
-            if done or k > end or slow:
+            if done or k > end:
+                lost = False
+                break
+            go_on(work.track(w).block, size)
+            if turning * 2.0 * stride <= TURN and k >= _CLOSE:
                 lost = False
                 break
         if lost or done or k > end:
@@ -107,22 +110,25 @@ def step_metrics(
 
 @compiled
 def begin(w: int, size: int) -> None:
-    """Write Z before the step, and how it moves by 2, 4, ... samples."""
+    """Write Z before the step."""
     t = work.track(w)
     start(t.seen)
     for j in range(size):
         t.block[j, PAST] = work.motion(w).start[j]
     for i in range(ROOM):
         t.block[size - 1, i] = 1.0
-    for level in range(DOUBLINGS - 1):
-        twice(w, level, size)
 
 
 @compiled
 def outside(w: int, sign: float, full: float) -> bool:
-    """Return whether the next sample is where no look can end well: the modes add up to as much."""
-    y = sign * work.track(w).block[0, PAST]
-    return bool(abs(y - full) >= NEAR * BAND * full)
+    """Return whether no look can end well: at one of the next samples the modes add up to as much.
+
+    They are as large now at least, for each of them only falls.
+    """
+    y, out = work.track(w).block[0], 0
+    for i in range(_NEXT, _NEXT + LANES):
+        out |= int(abs(sign * y[i] - full) >= NEAR * BAND * full)
+    return out != 0
 
 
 @shared
@@ -142,34 +148,22 @@ def left(
     w: int, sign: float, full: float, at_rest: float, order: int, size: int
 ) -> tuple[bool, float]:
     """Return what ``look`` does, from what is left of every mode."""
-    m, t = work.motion(w), work.track(w)
-    s, zs, seen = t.ladder[0], t.states, t.seen
-    a, b, dy, du = zs[FOUND], zs[THERE], zs[NEXT], zs[OTHER]
-    take(t.block, PAST, size, a)
-    wide = LANES if size <= LANES else WIDE
+    m, seen = work.motion(w), work.track(w).seen
+    parted(w, sign, full, at_rest, order, size)
+    zs, shares = work.track(w).states, m.shares
+    sizes_y, sizes_u = zs[FOUND], zs[THERE]
     for i in range(order):
-        dy[i] = sign * a[0] - (0.0 if i else full)
-        du[i] = along(m.effort, a, size) - (0.0 if i else at_rest)
-        if i + 1 < order:
-            product(a, 1.0, s, 0, wide, size, b)
-            a, b = b, a
-    shares, ends = m.shares, LANES if order <= LANES else WIDE
-    product(dy, 1.0, m.wr, 0, ends, order, shares[0])
-    product(dy, 1.0, m.wi, 0, ends, order, shares[1])
-    product(du, 1.0, m.wr, 0, ends, order, shares[2])
-    product(du, 1.0, m.wi, 0, ends, order, shares[3])
+        sizes_y[i] = sqrt(shares[0, i] * shares[0, i] + shares[1, i] * shares[1, i])
+        sizes_u[i] = sqrt(shares[2, i] * shares[2, i] + shares[3, i] * shares[3, i])
     reach = LOST * max(abs(seen[MOST_U]), abs(seen[LEAST_U]))
     of_y = of_u = slow_y = slow_u = fast_y = fast_u = turning = 0.0
     for i in range(order):
-        yr, yi, ur, ui = shares[0, i], shares[1, i], shares[2, i], shares[3, i]
-        size_y, size_u = sqrt(yr * yr + yi * yi), sqrt(ur * ur + ui * ui)
+        size_y, size_u = sizes_y[i], sizes_u[i]
+        creeping, lost = m.creeping[i], size_y <= LOST * full and size_u <= reach
         of_y, of_u = of_y + size_y, of_u + size_u
-        if m.creeping[i] > 0.0:
-            slow_y, slow_u = slow_y + yr, slow_u + ur
-        else:
-            fast_y, fast_u = fast_y + size_y, fast_u + size_u
-        if not (size_y <= LOST * full and size_u <= reach):
-            turning = max(turning, m.turn[i])
+        slow_y, slow_u = slow_y + creeping * shares[0, i], slow_u + creeping * shares[2, i]
+        fast_y, fast_u = fast_y + (1.0 - creeping) * size_y, fast_u + (1.0 - creeping) * size_u
+        turning = max(turning, 0.0 if lost else m.turn[i])
     still = of_y < NEAR * BAND * full
     higher = 0.0 if fast_y <= -slow_y else fast_y + max(slow_y, 0.0)
     still = still and (higher <= seen[TOP] - full or of_y <= NOTHING * full)
@@ -177,6 +171,36 @@ def left(
     lower = 0.0 if fast_u <= slow_u else fast_u + max(-slow_u, 0.0)
     fits = at_rest + higher <= seen[MOST_U] and at_rest - lower >= seen[LEAST_U]
     return still and (of_u <= reach or fits), turning
+
+
+@compiled
+def parted(w: int, sign: float, full: float, at_rest: float, order: int, size: int) -> None:
+    """Write each mode's share of what is left of output and effort.
+
+    They come from as many numbers as there are modes: what is left, what that moves by in a sample,
+    what that moves by, ... The last one is had from the rows of what y and u move by.
+    """
+    m, t = work.motion(w), work.track(w)
+    a, b, dy, du = t.states[FOUND], t.states[THERE], t.states[NEXT], t.states[OTHER]
+    z, s, wide = t.block[:, _NEXT], t.ladder[0], LANES if size <= LANES else WIDE
+    dy[0], du[0] = sign * z[0] - full, along(m.effort, z, size) - at_rest
+    if order == 2:
+        dy[1], du[1] = sign * along(m.output_moves, z, size), along(m.effort_moves, z, size)
+    elif order > 2:
+        product(z, 1.0, s, 0, wide, size, a)
+    for i in range(1, order - 1):
+        dy[i], du[i] = sign * a[0], along(m.effort, a, size)
+        if i + 2 == order:
+            row_y, row_u = m.output_moves, m.effort_moves
+            dy[i + 1], du[i + 1] = sign * along(row_y, a, size), along(row_u, a, size)
+        else:
+            product(a, 1.0, s, 0, wide, size, b)
+            a, b = b, a
+    shares, ends = m.shares, LANES if order <= LANES else WIDE
+    product(dy, 1.0, m.wr, 0, ends, order, shares[0])
+    product(dy, 1.0, m.wi, 0, ends, order, shares[1])
+    product(du, 1.0, m.wr, 0, ends, order, shares[2])
+    product(du, 1.0, m.wi, 0, ends, order, shares[3])
 
 
 @compiled

@@ -6,14 +6,11 @@ is one product with a power of the motion, so no sample waits for the one before
 
 from math import inf
 
-import numpy as np
-
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
 from zoh.batch.compiled.jit import compiled, shared
+from zoh.batch.compiled.lanes import alike, more, plus, put, taken
 from zoh.batch.compiled.room import BLOCK, DOUBLINGS, LANES, PAST, SEEN, WIDE
-
-_1, _2, _3, _4, _5, _6, _7 = (np.uint64(i) for i in range(1, 8))  # places that are never < 0
 
 # places of what is seen
 (
@@ -40,20 +37,10 @@ def product(
 ) -> None:
     """Write factor weights rows from one place to another, a whole number of ``LANES``."""
     for i in range(first, end, LANES):
-        at = np.uint64(i)
-        a = b = c = d = e = f = g = h = 0.0
+        total = alike(0.0)
         for j in range(size):
-            part = factor * weights[j]
-            a += part * rows[j, at]
-            b += part * rows[j, at + _1]
-            c += part * rows[j, at + _2]
-            d += part * rows[j, at + _3]
-            e += part * rows[j, at + _4]
-            f += part * rows[j, at + _5]
-            g += part * rows[j, at + _6]
-            h += part * rows[j, at + _7]
-        out[at], out[at + _1], out[at + _2], out[at + _3] = a, b, c, d
-        out[at + _4], out[at + _5], out[at + _6], out[at + _7] = e, f, g, h
+            total = more(total, factor * weights[j], taken(rows[j], i))
+        put(total, out, i)
 
 
 @compiled
@@ -65,43 +52,38 @@ def move(s: Array, z: Array, size: int, out: Array) -> None:
 
 
 @shared
-def twice(w: int, level: int, size: int) -> None:
-    """Write the level after this one: 2 s + s s, by columns."""
-    t = work.track(w)
-    if size == 4:  # of the usual sizes the compiler knows every place beforehand
-        doubled(t.ladder[level], t.ladder[level + 1], 4)
-    elif size == 5:
-        doubled(t.ladder[level], t.ladder[level + 1], 5)
-    else:
-        doubled(t.ladder[level], t.ladder[level + 1], size)
+def twice(w: int, level: int, end: int, size: int) -> None:
+    """Write the levels after one, up to an end: 2 s + s s each time, by columns."""
+    ladder = work.track(w).ladder
+    for here in range(level, end):
+        if size == 4:  # of the usual sizes the compiler knows every place beforehand
+            doubled(ladder[here], ladder[here + 1], 4)
+        elif size == 5:
+            doubled(ladder[here], ladder[here + 1], 5)
+        else:
+            doubled(ladder[here], ladder[here + 1], size)
 
 
 @compiled
 def doubled(s: Array, out: Array, size: int) -> None:
-    """Write 2 s + s s, by columns."""
+    """Write 2 s + s s, by columns; the last number of Z does not move.
+
+    Two sums wait half as long for one another as one does, here and in ``next_ones``.
+    """
     for k in range(size):
         for first in range(0, LANES if size <= LANES else WIDE, LANES):
-            at = np.uint64(first)
-            a, b, c, d = s[k, at], s[k, at + _1], s[k, at + _2], s[k, at + _3]
-            e, f, g, h = s[k, at + _4], s[k, at + _5], s[k, at + _6], s[k, at + _7]
-            a, b, c, d, e, f, g, h = a + a, b + b, c + c, d + d, e + e, f + f, g + g, h + h
-            for j in range(size):
-                part = s[k, j]
-                a += part * s[j, at]
-                b += part * s[j, at + _1]
-                c += part * s[j, at + _2]
-                d += part * s[j, at + _3]
-                e += part * s[j, at + _4]
-                f += part * s[j, at + _5]
-                g += part * s[j, at + _6]
-                h += part * s[j, at + _7]
-            out[k, at], out[k, at + _1], out[k, at + _2], out[k, at + _3] = a, b, c, d
-            out[k, at + _4], out[k, at + _5], out[k, at + _6], out[k, at + _7] = e, f, g, h
+            one = taken(s[k], first)
+            other = one
+            for j in range(0, size - 1, 2):
+                one = more(one, s[k, j], taken(s[j], first))
+            for j in range(1, size - 1, 2):
+                other = more(other, s[k, j], taken(s[j], first))
+            put(plus(one, other), out[k], first)
 
 
 @shared
-def first_four(w: int, level: int, size: int) -> None:
-    """Write Z at a block's first four samples, 2^level apart, from the first one."""
+def first_ones(w: int, level: int, size: int) -> None:
+    """Write Z at a block's first ``LANES`` samples, 2^level apart, from the first one."""
     if size == 4:
         begun(w, level, 4)
     elif size == 5:
@@ -112,22 +94,27 @@ def first_four(w: int, level: int, size: int) -> None:
 
 @compiled
 def begun(w: int, level: int, size: int) -> None:
-    """Do what ``first_four`` does; the one that Z ends with stays."""
-    t = work.track(w)
-    block, zs = t.block, t.states
-    z0, z1, z2, z3 = zs[NEXT], zs[FOUND], zs[THERE], zs[OTHER]
-    take(block, PAST, size, z0)
-    move(t.ladder[level], z0, size, z1)
-    move(t.ladder[level + 1], z0, size, z2)
-    move(t.ladder[level + 1], z1, size, z3)
-    for j in range(size - 1):
-        block[j, PAST], block[j, PAST + 1] = z0[j], z1[j]
-        block[j, PAST + 2], block[j, PAST + 3] = z2[j], z3[j]
+    """Do what ``first_ones`` does."""
+    ladder, block = work.track(w).ladder, work.track(w).block
+    as_many(ladder[level], block, 1, size)
+    as_many(ladder[level + 1], block, 2, size)
+    as_many(ladder[level + 2], block, LANES // 2, size)
+
+
+@compiled
+def as_many(s: Array, block: Array, many: int, size: int) -> None:
+    """Write as many columns after a block's first ones; the last number of Z stays, 1."""
+    for i in range(size - 1):
+        for at in range(PAST, PAST + many):
+            total = block[i, at]
+            for j in range(size - 1):
+                total += s[j, i] * block[j, at]
+            block[i, at + many] = total + s[size - 1, i]
 
 
 @shared
 def ahead(w: int, level: int, size: int) -> None:
-    """Write Z at a block's samples, and the four after it, from its first four."""
+    """Write Z at a block's samples, and at the next one's first, from its first ``LANES``."""
     if size == 4:
         filled(w, level, 4)
     elif size == 5:
@@ -138,37 +125,31 @@ def ahead(w: int, level: int, size: int) -> None:
 
 @compiled
 def filled(w: int, level: int, size: int) -> None:
-    """Write Z at what follows the first four samples: at the next four, then at eight at a time."""
+    """Do what ``ahead`` does, ``LANES`` samples at once."""
     t = work.track(w)
     s, block = t.ladder[level + DOUBLINGS], t.block
-    four(t.ladder[level + DOUBLINGS - 1], block, PAST, 4, size)
-    for first in range(PAST, PAST + BLOCK - LANES, LANES):
-        four(s, block, first, LANES, size)
-        four(s, block, first + 4, LANES, size)
-    four(s, block, PAST + BLOCK - LANES, LANES, size)
+    for first in range(PAST, PAST + BLOCK, LANES):
+        next_ones(s, block, first, size)
 
 
 @compiled
-def four(s: Array, block: Array, first: int, length: int, size: int) -> None:
-    """Write the columns so far after four; the one that Z ends with stays."""
-    at, to = np.uint64(first), np.uint64(first + length)
+def next_ones(s: Array, block: Array, first: int, size: int) -> None:
+    """Write the ``LANES`` columns after as many; the last number of Z stays, 1."""
     for i in range(size - 1):
-        a, b, c, d = block[i, at], block[i, at + _1], block[i, at + _2], block[i, at + _3]
-        for j in range(size):
-            part = s[j, i]
-            a += part * block[j, at]
-            b += part * block[j, at + _1]
-            c += part * block[j, at + _2]
-            d += part * block[j, at + _3]
-        block[i, to], block[i, to + _1], block[i, to + _2], block[i, to + _3] = a, b, c, d
+        one, other = taken(block[i], first), alike(s[size - 1, i])
+        for j in range(0, size - 1, 2):
+            one = more(one, s[j, i], taken(block[j], first))
+        for j in range(1, size - 1, 2):
+            other = more(other, s[j, i], taken(block[j], first))
+        put(plus(one, other), block[i], first + LANES)
 
 
 @compiled
 def go_on(block: Array, size: int) -> None:
-    """Make what follows a block its first four samples, its last ones the past."""
+    """Make what follows a block its first samples, its last ones the past."""
     for j in range(size - 1):
-        for i in range(PAST + 4):
-            block[j, i] = block[j, BLOCK + i]
+        for i in range(PAST):
+            block[j, i], block[j, PAST + i] = block[j, BLOCK + i], block[j, PAST + BLOCK + i]
     for i in range(PAST):
         block[Y, i], block[U, i] = block[Y, BLOCK + i], block[U, BLOCK + i]
 
@@ -188,10 +169,20 @@ def last(
 
     z there is left in FOUND.
     """
+    if size == 5:  # of the usual size the compiler knows every place beforehand
+        return halved(w, row, factor, above, level, k, end, 5)
+    return halved(w, row, factor, above, level, k, end, size)
+
+
+@compiled
+def halved(
+    w: int, row: Array, factor: float, above: float, level: int, k: float, end: float, size: int
+) -> float:
+    """Do what ``last`` does."""
     t = work.track(w)
     ladder, found, there = t.ladder, t.states[FOUND], t.states[THERE]
     for step in range(level, -1, -1):
-        length = 2.0**step
+        length = 1.0 * (1 << step)
         if k + length < end:
             move(ladder[step], found, size, there)
             if factor * along(row, there, size) > above:
