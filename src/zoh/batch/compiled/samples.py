@@ -14,7 +14,7 @@ from zoh.batch.compiled.marks import (
     lowest,
     outside,
 )
-from zoh.batch.compiled.room import BLOCK, LANES, PAST, Pieces
+from zoh.batch.compiled.room import BLOCK, PAST, Pieces
 from zoh.batch.compiled.track import (
     AT_CREST,
     CREST,
@@ -103,20 +103,21 @@ def steady(w: int, sign: float, full: float, k: float, size: int) -> None:
     A piece is a sample then, and at its end y and its slope are what they are at the next one.
     """
     t, part = work.track(w), sign * work.pieces(w).slope0[0, 1]
-    block, y, rise, seen = t.block, t.block[Y], t.block[RISE], t.seen
+    block, y, slope, seen = t.block, t.block[Y], t.block[1], t.seen
     signals(w, sign, size)
     note(y, block[U], seen, full, k, 1.0)
-    for i in range(PAST, _END + LANES):
-        rise[i] = part * block[1, i]
-    falls = below(rise, PAST, 0.0) >> 1 | int(rise[_END] < 0.0) << (BLOCK - 1)  # at the next one
-    found = above(rise, PAST, 0.0) & falls
+    rises, falls = above(slope, PAST, 0.0), below(slope, PAST, 0.0)
+    if part < 0.0:
+        rises, falls = falls, rises
+    found = rises & (falls >> 1 | int(part * slope[_END] < 0.0) << (BLOCK - 1))  # at the next one
     while found:
         i = PAST + first_of(found)
         found &= found - 1
         before, after = y[i], sign * block[0, i + 1]
-        if max(before, after) + _ABOVE * (rise[i] - rise[i + 1]) < seen[CREST]:
+        rise, fall = part * slope[i], part * slope[i + 1]
+        if max(before, after) + _ABOVE * (rise - fall) < seen[CREST]:
             continue
-        height = estimate(before, after, rise[i], rise[i + 1])
+        height = estimate(before, after, rise, fall)
         if height >= seen[CREST]:
             keep(block, t.states, seen, height, i, k, 0.0, size)
 

@@ -21,7 +21,7 @@ from zoh.batch.compiled.places import (
     RISE,
     SETTLING,
 )
-from zoh.batch.compiled.room import BLOCK, DOUBLINGS, LANES, PAST, ROOM, WIDE
+from zoh.batch.compiled.room import BLOCK, LANES, PAST, ROOM, WIDE
 from zoh.batch.compiled.samples import every_sample
 from zoh.batch.compiled.strides import long_stride
 from zoh.batch.compiled.track import (
@@ -48,7 +48,6 @@ from zoh.batch.compiled.track import (
     go_on,
     product,
     start,
-    twice,
 )
 from zoh.batch.compiled.turns import suspected
 from zoh.batch.tolerances import BAND, FAINT, FAR, LEVELS, LOST, NEAR, NOTHING, QUIET, TURN
@@ -76,7 +75,6 @@ def step_metrics(
     end = max(8.0, ceil(QUIET / slowest) + 4.0 * size)
     k, stride, level, done, lost = 0.0, 1.0, 0, False, True
     while level < LEVELS:
-        twice(w, level + DOUBLINGS - 1 if level else 0, level + DOUBLINGS, size)
         first_ones(w, level, size)
         for _ in range(FAR // BLOCK):
             ahead(w, level, size)

@@ -52,16 +52,30 @@ def move(s: Array, z: Array, size: int, out: Array) -> None:
 
 
 @shared
-def twice(w: int, level: int, end: int, size: int) -> None:
-    """Write the levels after one, up to an end: 2 s + s s each time, by columns."""
-    ladder = work.track(w).ladder
-    for here in range(level, end):
-        if size == 4:  # of the usual sizes the compiler knows every place beforehand
-            doubled(ladder[here], ladder[here + 1], 4)
-        elif size == 5:
-            doubled(ladder[here], ladder[here + 1], 5)
-        else:
-            doubled(ladder[here], ladder[here + 1], size)
+def first_ones(w: int, level: int, size: int) -> None:
+    """Write Z at a block's first ``LANES`` samples, 2^level apart, from the first one.
+
+    Levels up to that of so many samples are made as they are come to.
+    """
+    if size == 4:  # of the usual sizes the compiler knows every place beforehand
+        begun(w, level, 4)
+    elif size == 5:
+        begun(w, level, 5)
+    else:
+        begun(w, level, size)
+
+
+@compiled
+def begun(w: int, level: int, size: int) -> None:
+    """Do what ``first_ones`` does."""
+    ladder, block = work.track(w).ladder, work.track(w).block
+    if level == 0:
+        doubled(ladder[0], ladder[1], size)
+        doubled(ladder[1], ladder[2], size)
+    doubled(ladder[level + DOUBLINGS - 1], ladder[level + DOUBLINGS], size)
+    as_many(ladder[level], block, 1, size)
+    as_many(ladder[level + 1], block, 2, size)
+    as_many(ladder[level + 2], block, LANES // 2, size)
 
 
 @compiled
@@ -79,26 +93,6 @@ def doubled(s: Array, out: Array, size: int) -> None:
             for j in range(1, size - 1, 2):
                 other = more(other, s[k, j], taken(s[j], first))
             put(plus(one, other), out[k], first)
-
-
-@shared
-def first_ones(w: int, level: int, size: int) -> None:
-    """Write Z at a block's first ``LANES`` samples, 2^level apart, from the first one."""
-    if size == 4:
-        begun(w, level, 4)
-    elif size == 5:
-        begun(w, level, 5)
-    else:
-        begun(w, level, size)
-
-
-@compiled
-def begun(w: int, level: int, size: int) -> None:
-    """Do what ``first_ones`` does."""
-    ladder, block = work.track(w).ladder, work.track(w).block
-    as_many(ladder[level], block, 1, size)
-    as_many(ladder[level + 1], block, 2, size)
-    as_many(ladder[level + 2], block, LANES // 2, size)
 
 
 @compiled
