@@ -9,7 +9,7 @@ from zoh.batch.compiled import work
 from zoh.batch.compiled.jit import compiled, shared
 from zoh.batch.compiled.plant import advanced
 from zoh.batch.compiled.room import PART, WHOLE, Pieces, Plant
-from zoh.batch.tolerances import BERNSTEIN, FLAT, REACH, TAYLOR
+from zoh.batch.tolerances import BERNSTEIN, CUBIC, FLAT, REACH, TAYLOR
 
 _LAST = 1e-4  # of the piece: the error after a step of Halley's as small as this is its cube
 _AT_ONCE = 4  # terms: so many loops have equally many, which a processor foresees
@@ -86,6 +86,15 @@ def estimate(y0: float, y1: float, slope0: float, slope1: float) -> float:
         - slope1 * t * t * s
     )  # fmt: skip
     return max(cubic, max(y0, y1))
+
+
+@compiled
+def doubtful(reach: float, bend: float) -> float:
+    """Return by how much a crest may differ from ``estimate``; see ``zoh.batch.arrays.between``.
+
+    reach  |s| of the poles, at most, times the piece;  bend  by how much the slope falls in it
+    """
+    return reach * reach * bend / 64.0 if reach <= CUBIC else inf
 
 
 @shared

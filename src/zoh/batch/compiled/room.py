@@ -14,7 +14,7 @@ PAST = LANES  # columns of a block in front of its first sample; two of them are
 BLOCK = 32  # samples between two looks at whether a loop is done
 ROOM = PAST + BLOCK + LANES  # columns of a block: it ends with the next one's first
 DOUBLINGS = 3  # of the motion by one sample: by ``LANES`` samples
-SEEN, KEPT = 14, 5  # what is seen of a step response, and the states that are kept of it
+SEEN, KEPT = 12, 4  # what is seen of a step response, and the states that are kept of it
 SIDES, NOTES = 4, 21  # quotients side by side, and rows of what is known of them
 WHOLE, LATE, PART = range(3)  # times that a plant is moved by: a sample, its end, a piece of it
 

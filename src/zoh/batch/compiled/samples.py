@@ -2,7 +2,7 @@
 
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
-from zoh.batch.compiled.between import estimate
+from zoh.batch.compiled.between import crest, doubtful, estimate
 from zoh.batch.compiled.jit import compiled, shared
 from zoh.batch.compiled.marks import (
     above,
@@ -16,22 +16,21 @@ from zoh.batch.compiled.marks import (
 )
 from zoh.batch.compiled.room import BLOCK, PAST, Pieces
 from zoh.batch.compiled.track import (
-    AT_CREST,
-    CREST,
     FALL,
+    HIGHEST,
     K1,
     K2,
     K_10,
     K_90,
-    K_CREST,
     K_OUT,
     K_TOP,
     LEAST_U,
     MOST_U,
     NEXT,
-    PIECE,
     RISE,
     TOP,
+    UNKNOWN,
+    WHEN,
     U,
     Y,
     along,
@@ -82,9 +81,9 @@ def every_sample(w: int, count: int, n: int, sign: float, full: float, k: float,
     signals(w, sign, size)
     note(t.block[Y], t.block[U], t.seen, full, k, 1.0)
     if n <= 2:
-        in_pieces(w, count, sign, k, size)
+        in_pieces(w, count, n, sign, full, k, size)
     elif count == 2:  # a crest is looked for wherever one may hide: see ``turns``
-        corners(work.pieces(w), 0, t.block, t.states, t.seen, sign, k, size)
+        corners(work.pieces(w), 0, t.block, t.seen, sign, k, size)
 
 
 @compiled
@@ -104,6 +103,7 @@ def steady(w: int, sign: float, full: float, k: float, size: int) -> None:
     """
     t, part = work.track(w), sign * work.pieces(w).slope0[0, 1]
     block, y, slope, seen = t.block, t.block[Y], t.block[1], t.seen
+    reach = work.plant(w).numbers[1]
     signals(w, sign, size)
     note(y, block[U], seen, full, k, 1.0)
     rises, falls = above(slope, PAST, 0.0), below(slope, PAST, 0.0)
@@ -115,15 +115,15 @@ def steady(w: int, sign: float, full: float, k: float, size: int) -> None:
         found &= found - 1
         before, after = y[i], sign * block[0, i + 1]
         rise, fall = part * slope[i], part * slope[i + 1]
-        if max(before, after) + _ABOVE * (rise - fall) < seen[CREST]:
+        off, best = doubtful(reach, rise - fall), max(max(seen[TOP], seen[HIGHEST]), full)
+        if max(before, after) + _ABOVE * (rise - fall) + off < best:
             continue
-        height = estimate(before, after, rise, fall)
-        if height >= seen[CREST]:
-            keep(block, t.states, seen, height, i, k, 0.0, size)
+        if estimate(before, after, rise, fall) + off >= best:
+            raise_to(w, 0, 2, i, sign, k, size)
 
 
 @shared
-def in_pieces(w: int, count: int, sign: float, k: float, size: int) -> None:
+def in_pieces(w: int, count: int, n: int, sign: float, full: float, k: float, size: int) -> None:
     """Look for crests in every piece of a sample, and for corners between them."""
     pieces, t = work.pieces(w), work.track(w)
     block = t.block
@@ -133,43 +133,46 @@ def in_pieces(w: int, count: int, sign: float, k: float, size: int) -> None:
         found = above(block[RISE], PAST, 0.0) & below(block[FALL], PAST, 0.0)
         while found:
             i = PAST + first_of(found)
-            crested(w, piece, i, sign, block[RISE, i], block[FALL, i], k, size)
             found &= found - 1
+            if may_be(w, piece, i, sign, full, size):
+                raise_to(w, piece, n, i, sign, k, size)
         if piece + 1 < count:
-            corners(pieces, piece, block, t.states, t.seen, sign, k, size)
+            corners(pieces, piece, block, t.seen, sign, k, size)
 
 
 @compiled
-def crested(
-    w: int, piece: int, i: int, sign: float, rise: float, fall: float, k: float, size: int
-) -> None:
-    """Keep the crest in a piece of a sample, if it is about the highest."""
+def may_be(w: int, piece: int, i: int, sign: float, full: float, size: int) -> bool:
+    """Return whether the crest in a piece of a sample may be the highest so far."""
     pieces, t = work.pieces(w), work.track(w)
     there, span = t.states[NEXT], pieces.ends[piece + 1] - pieces.ends[piece]
     take(t.block, i, size, there)
     y0, y1 = along(pieces.y0[piece], there, size), along(pieces.y1[piece], there, size)
-    height = estimate(sign * y0, sign * y1, rise * span, fall * span)
-    if height >= t.seen[CREST]:  # a corner's own height: the crest behind it is higher
-        keep(t.block, t.states, t.seen, height, i, k, 1.0 * piece, size)
+    rise, fall = t.block[RISE, i] * span, t.block[FALL, i] * span
+    height = estimate(sign * y0, sign * y1, rise, fall)
+    off = doubtful(work.plant(w).numbers[1] * span, rise - fall)
+    return bool(height + off >= max(max(t.seen[TOP], t.seen[HIGHEST]), full))
+
+
+@compiled
+def raise_to(w: int, piece: int, n: int, i: int, sign: float, k: float, size: int) -> None:
+    """Raise the highest between samples to the crest in a piece of a sample."""
+    t = work.track(w)
+    there, seen = t.states[NEXT], t.seen
+    take(t.block, i, size, there)
+    height, after, known = crest(w, piece, n, there, sign, size)
+    if not known:
+        seen[UNKNOWN] = 1.0
+    if height > seen[HIGHEST]:
+        seen[HIGHEST], seen[WHEN] = height, k + (i - PAST) + after
 
 
 @compiled
 def corners(
-    pieces: Pieces, piece: int, block: Array, zs: Array, seen: Array, sign: float, k: float,
-    size: int,
-) -> None:  # fmt: skip
-    """Keep the corner between two parts of a sample, if it is about the highest."""
+    pieces: Pieces, piece: int, block: Array, seen: Array, sign: float, k: float, size: int
+) -> None:
+    """Raise the highest between samples to the corner between two parts of one."""
     shown(pieces.y1[piece], sign, block, RISE, size)
     height = highest(block[RISE], PAST)
-    if height > seen[CREST]:
+    if height > seen[HIGHEST]:
         i = PAST + first_of(at_least(block[RISE], PAST, height))
-        keep(block, zs, seen, height, i, k, piece + 0.5, size)
-
-
-@compiled
-def keep(
-    block: Array, zs: Array, seen: Array, height: float, i: int, k: float, piece: float, size: int
-) -> None:
-    """Keep where a crest is, and Z before it."""
-    seen[CREST], seen[K_CREST], seen[PIECE] = height, k + (i - PAST), piece
-    take(block, i, size, zs[AT_CREST])
+        seen[HIGHEST], seen[WHEN] = height, k + (i - PAST) + pieces.ends[piece + 1]

@@ -7,7 +7,6 @@ from math import ceil, inf, nan, sqrt
 
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
-from zoh.batch.compiled.between import crest
 from zoh.batch.compiled.jit import compiled, shared
 from zoh.batch.compiled.modes import restless
 from zoh.batch.compiled.places import (
@@ -25,22 +24,19 @@ from zoh.batch.compiled.room import BLOCK, LANES, PAST, ROOM, WIDE
 from zoh.batch.compiled.samples import every_sample
 from zoh.batch.compiled.strides import long_stride
 from zoh.batch.compiled.track import (
-    AT_CREST,
-    CREST,
     FOUND,
     HIGHEST,
     K_10,
     K_90,
-    K_CREST,
     K_OUT,
     K_TOP,
     LEAST_U,
     MOST_U,
     NEXT,
     OTHER,
-    PIECE,
     THERE,
     TOP,
+    UNKNOWN,
     WHEN,
     ahead,
     along,
@@ -101,8 +97,9 @@ def step_metrics(
         level, stride, lost = level + 1, 2.0 * stride, True
     if lost:
         return True
-    unknown = closing(w, n, sign, size)
-    figures(work.track(w).seen, full, final, at_rest, sign, dt, reference, out)
+    seen = work.track(w).seen
+    unknown = closing(seen)
+    figures(seen, full, final, at_rest, sign, dt, reference, out)
     return unknown
 
 
@@ -202,22 +199,11 @@ def parted(w: int, sign: float, full: float, at_rest: float, order: int, size: i
 
 
 @compiled
-def closing(w: int, n: int, sign: float, size: int) -> bool:
+def closing(seen: Array) -> bool:
     """Close the account between samples; return whether a crest is not known."""
-    zs, seen = work.track(w).states, work.track(w).seen
-    unknown = False
-    if seen[PIECE] >= 0.0:
-        piece = int(seen[PIECE])
-        if seen[PIECE] == piece:
-            height, after, known = crest(w, piece, n, zs[AT_CREST], sign, size)
-            unknown = not known
-        else:
-            height, after = seen[CREST], work.pieces(w).ends[piece + 1]
-        if height > seen[HIGHEST]:
-            seen[HIGHEST], seen[WHEN] = height, seen[K_CREST] + after
     if seen[TOP] >= seen[HIGHEST]:
         seen[HIGHEST], seen[WHEN] = seen[TOP], seen[K_TOP]
-    return unknown
+    return bool(seen[UNKNOWN] > 0.0)
 
 
 @compiled

@@ -14,10 +14,10 @@ from zoh.batch.compiled.room import BLOCK, DOUBLINGS, LANES, PAST, SEEN, WIDE
 
 # places of what is seen
 (
-    TOP, K_TOP, MOST_U, LEAST_U, K_10, K_90, K_OUT, HIGHEST, WHEN, CREST, K_CREST, PIECE, K1, K2,
-) = range(14)  # fmt: skip
+    TOP, K_TOP, MOST_U, LEAST_U, K_10, K_90, K_OUT, HIGHEST, WHEN, UNKNOWN, K1, K2,
+) = range(12)  # fmt: skip
 # places of the states that are kept
-NEXT, AT_CREST, FOUND, THERE, OTHER = range(5)
+NEXT, FOUND, THERE, OTHER = range(4)
 # rows of a block behind Z: the output, its sign such that it rises; the effort; two slopes
 Y, U, RISE, FALL = WIDE, WIDE + 1, WIDE + 2, WIDE + 3
 
@@ -192,4 +192,4 @@ def start(seen: Array) -> None:
     for i in range(SEEN):
         seen[i] = -1.0
     seen[TOP], seen[MOST_U], seen[LEAST_U] = -inf, -inf, inf
-    seen[HIGHEST], seen[CREST] = -inf, -inf
+    seen[HIGHEST] = -inf
