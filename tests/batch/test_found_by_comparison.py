@@ -458,6 +458,34 @@ def highest_t(dt, delay, gain, controller):
         return float(size(low))
 
 
+def test_a_loop_at_a_ten_thousandth_of_its_limit_is_the_single_designs():
+    # Ms is 9601, and rounding of 1e-13 in L was 2.7e-9 of the peak effort
+    if find_spec("numba") is None:
+        pytest.skip("the compiled arithmetic needs numba: zoh[fast]")
+    from zoh.batch.compiled import run as compiled
+
+    controller = zoh.Sampled(
+        num=(5542685.977883064, -7597899.971406108, 4965827.035784662, -1119317.269705678),
+        den=(1.0000000000099658, 4.720598770800832, 3.818028161730096, 0.3108016179606703),
+        dt=0.045565181264452255,
+    )
+    plant = zoh.Plant(
+        num=[1.407165913236862],
+        den=[1, 10.205159738686298, 16.312686571305182, 8.694304945922593, 1.407165913236862],
+    )
+    columns = {"plant.gain": 1.3850382674772288 * np.array([1.0, 1.0001, 1.0002, 1.0003])}
+    job = Job(
+        plant=plant, law="given", controller=controller, dt=controller.dt, varying=tuple(columns)
+    )
+    truth = single.run(job, columns)
+    (sharp,) = np.nonzero(truth["ms"] > 2000)
+    assert len(sharp) == 4
+    for way in (arrays, compiled):
+        found = way.run(job, columns)
+        for name in ("peak_effort", "between.overshoot_pct"):
+            assert found[name][sharp].tolist() == truth[name][sharp].tolist()
+
+
 FAST = [  # law, b1, b0, a1, a0, what is asked: one real pole falls to 1/10 to 1/100 in a sample
     ("lead", 0.0, 5.817151054075037, 4.0032272054168665, 0.0, {
         "dt": 0.828642406930723, "wc": 3.004002427702014, "pm_deg": 28.075228489787794,

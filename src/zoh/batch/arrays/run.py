@@ -21,7 +21,7 @@ from zoh.batch.columns import Columns, Results, empty
 from zoh.batch.figures import BY_NAME
 from zoh.batch.job import GIVEN, Job
 from zoh.batch.reason import Reason
-from zoh.batch.tolerances import HELD, ON_TARGET, RESONANT, ROOM
+from zoh.batch.tolerances import HELD, ON_TARGET, RESONANT, ROOM, SHARP
 
 CHUNK = 4096  # loops at a time: fewer are ruled by Python's calls, more leave a core's own cache
 
@@ -71,7 +71,7 @@ def _alike(job: Job, wanted: Batch, delay: int) -> tuple[Results, Mask]:
     if len(who):
         good_ones = only(loops, who)
         figures, rounded = measured(good_ones)
-        doubt[who] |= rounded
+        doubt[who] |= rounded | ~(figures["ms"] <= SHARP)
         held_ones = only(plant, who)
         moves = motion(held_ones, only(law, who), delay)
         late, rounded = step_metrics(

@@ -15,11 +15,11 @@ from zoh.batch.compiled.jit import compiled, object_file, shared
 from zoh.batch.compiled.machine import WHOLES
 from zoh.batch.compiled.margins import measured
 from zoh.batch.compiled.modes import modes
-from zoh.batch.compiled.places import CROSSOVER, GAINS, GIVEN, MARGINS, PID, PM, STEPS
+from zoh.batch.compiled.places import CROSSOVER, GAINS, GIVEN, MARGINS, MS, PID, PM, STEPS
 from zoh.batch.compiled.plant import held
 from zoh.batch.compiled.polynomials import on_axis, times
 from zoh.batch.compiled.stability import stable
-from zoh.batch.tolerances import HELD, ON_TARGET, ROOM
+from zoh.batch.tolerances import HELD, ON_TARGET, ROOM, SHARP
 
 _FLOAT = 8  # bytes
 _GRID = np.geomspace(1e-7, 1e4, 45)  # of |p|
@@ -63,7 +63,7 @@ def one(
     if not good:
         reason[i] = UNSTABLE
         return False
-    if measured(w, degree, x, dt, margin):
+    if measured(w, degree, x, dt, margin) or not margin[MS] <= SHARP:
         return True
     slowest = modes(w, degree, x)
     if response(w, n, c, delay, lead, degree, slowest, dt, reference, step):
