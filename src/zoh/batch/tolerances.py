@@ -25,7 +25,7 @@ SERIES = 18  # its terms: 0.5^18/18! is 6e-22
 SLOW, EULERS = 1.5, 40  # the reach of the series at z = -1, and its terms: (1.5/pi)^40 is 1e-13
 HELD = 1e-12  # by so much the gain at rest of what is held, and a final value, may be off
 REACH, TAYLOR = 20.0, 72  # |A| dt up to which the series between samples keeps its digits; terms
-CUBIC = 0.5  # |A| dt up to which a cubic tells about how high a crest is
+CUBIC = 2.0  # |A| dt up to which a cubic tells about how high a crest is
 BERNSTEIN = 24  # degree that tells how often a slope turns: 1.2^24 is 1e-22 of 24!
 FLAT = 1e-13  # of y: a slope this small over a whole piece is rounding
 

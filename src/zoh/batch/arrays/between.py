@@ -101,8 +101,8 @@ def doubtful(reach: Array, slope0: Array, slope1: Array) -> Array:
 
     reach  |s| of the poles, at most, times the piece
 
-    The cubic is off by max |y|/384 at most, and y is a sum of the slope's bends times the
-    poles' s: below reach^2 (slope0 - slope1)/64, which is 8 times the most that two million pieces
+    The cubic is off by max |y''''|/384 at most, and y is a sum of the slope's bends times the
+    poles' s: below reach^2 (slope0 - slope1)/64, which is 6 times the most that two million pieces
     had. What a fast pole does in a piece no cubic tells.
     Source: P. J. Davis, Interpolation and Approximation, sec. 3.1 (the error of Hermite's cubic).
     """

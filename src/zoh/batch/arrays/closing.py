@@ -14,6 +14,7 @@ from zoh.batch.arrays.turns import Turns
 from zoh.batch.tolerances import NOTHING
 
 RISE = (0.1, 0.9)
+_AT_ONCE = 4096  # crests: of so many the series are worked out at a time
 Try = tuple[Index, Piece, Array, Array]  # of which loops, a piece, its sample, Z there
 
 
@@ -51,8 +52,11 @@ def between(
         tries.append((crests.who, part, crests.k, crests.z))
         tries.append((late.who, part, late.k, late.z))
         tries.append((late.who, part, late.k + 1, late.after))
-    for one in tries:
-        _tried(plant, one, one[1] is not parts[-1], sign, top, when, known)
+    for who, part, k, z in tries:
+        for first in range(0, len(who), _AT_ONCE):
+            some = slice(first, first + _AT_ONCE)
+            one = who[some], part, k[some], z[:, some]
+            _tried(plant, one, part is not parts[-1], sign, top, when, known)
     if turns is not None:
         hidden = turns.above(np.maximum(top, size * (1 + NOTHING)))
         for part in parts:

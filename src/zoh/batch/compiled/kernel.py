@@ -21,6 +21,7 @@ from zoh.batch.compiled.polynomials import on_axis, times
 from zoh.batch.compiled.stability import stable
 from zoh.batch.tolerances import HELD, ON_TARGET, ROOM, SHARP
 
+Codes = npt.NDArray[np.int8]
 _FLOAT = 8  # bytes
 _GRID = np.geomspace(1e-7, 1e4, 45)  # of |p|
 
@@ -32,7 +33,7 @@ ALONE = 2  # of ``left``, for as long as the kernel has it: a loop to be done by
 def one(
     w: int, code: int, n: int, reference: float, num: Array, den: Array, dt: float, delay: int,
     lead: float, wc: float, pm_deg: float, spare: float, pole: float, i: int, count: int,
-    gains: Array, margin: Array, step: Array, reason: npt.NDArray[np.int8],
+    gains: Array, margin: Array, step: Array, reason: Codes,
 ) -> bool:  # fmt: skip
     """Write what becomes of loop i of so many; return whether it is left to the single design."""
     p, law = work.plant(w), work.law(w)
@@ -148,7 +149,7 @@ def stretch(
 ) -> None:  # fmt: skip
     """Write gains, figures and reasons of so many loops, a row a loop; arrays are addresses.
 
-    w         of ``room.LENGTH`` floats
+    w         of ``abreast.room.LENGTH`` floats
     num, den  rows of ascending powers of s, up to the order;  delay  whole samples, as floats
     left      what is not regular comes in 1; what floats cannot decide goes out 1
     """
@@ -157,7 +158,6 @@ def stretch(
         numbers(lead), numbers(wc), numbers(pm_deg), numbers(spare), numbers(pole)
     )  # fmt: skip
     why, doubt, waiting = codes(reason), codes(left), 0
-    loops, degree = work.abreast(w).loop, 4 if code == PID else 3
     for i in range(count):
         if doubt[i] == 0:
             if order == 2 and 0 < code < GIVEN and lates[i] == 0.0 and leads[i] == 0.0:
@@ -165,40 +165,12 @@ def stretch(
                 waiting += 1
             else:
                 doubt[i] = ALONE
-        if waiting < LOOPS and (waiting == 0 or i < count - 1):
-            continue
-        hold(w)
-        group.aim(w)
-        for lane in range(waiting):
-            j = int(loops[lane])
-            room = group.solved(w, lane, code, spares[j], poles[j])
-            if not abs(room) > ROOM:
-                doubt[j] = ALONE
-            elif room < 0.0:
-                why[j] = INFEASIBLE
-            else:
-                continue
-            loops[lane] = -1.0
-        group.looked_at(w, degree)
-        for lane in range(waiting):
-            j = int(loops[lane])
-            if j < 0:
-                continue
-            group.gains(w, lane, numbers(gains + j * GAINS * _FLOAT))
-            if group.unstable(w, lane):
-                why[j] = UNSTABLE
-                continue
-            row = numbers(margin + j * MARGINS * _FLOAT)
-            if not group.proved(w, lane, row):
-                doubt[j] = ALONE
-                continue
-            slowest = group.take(w, lane, degree)
-            to = numbers(step + j * STEPS * _FLOAT)
-            doubt[j] = int(
-                response(w, 2, degree - 2, 0, 0.0, degree, slowest, times_[j], reference, to)
-            )
-            why[j] = judged(row, at[j], degs[j])
-        waiting = 0
+        if waiting == LOOPS or (waiting and i == count - 1):
+            side_by_side(
+                w, code, waiting, times_, at, degs, spares, poles, gains, margin, step, why, doubt,
+                reference,
+            )  # fmt: skip
+            waiting = 0
     for i in range(count):
         if doubt[i] == ALONE:
             doubt[i] = int(one(
@@ -206,6 +178,42 @@ def stretch(
                 degs[i], spares[i], poles[i], i, count, numbers(gains + i * GAINS * _FLOAT),
                 numbers(margin + i * MARGINS * _FLOAT), numbers(step + i * STEPS * _FLOAT), why,
             ))  # fmt: skip
+
+
+@compiled
+def side_by_side(
+    w: int, code: int, waiting: int, dt: Array, wc: Array, pm_deg: Array, spare: Array,
+    pole: Array, gains: int, margin: int, step: int, why: Codes, doubt: Codes, reference: float,
+) -> None:  # fmt: skip
+    """Write what becomes of the loops that wait in the lanes; the unusual are left to be ALONE."""
+    loops, degree = work.abreast(w).loop, 4 if code == PID else 3
+    hold(w)
+    group.aim(w)
+    for lane in range(waiting):
+        j = int(loops[lane])
+        room = group.solved(w, lane, code, spare[j], pole[j])
+        if room > ROOM:
+            continue
+        loops[lane] = -1.0
+        if room < -ROOM:
+            why[j] = INFEASIBLE
+        else:
+            doubt[j] = ALONE
+    group.looked_at(w, degree)
+    for lane in range(waiting):
+        j = int(loops[lane])
+        if j < 0:
+            continue
+        row, to = numbers(margin + j * MARGINS * _FLOAT), numbers(step + j * STEPS * _FLOAT)
+        group.gains(w, lane, numbers(gains + j * GAINS * _FLOAT))
+        if group.unstable(w, lane):
+            why[j] = UNSTABLE
+        elif group.proved(w, lane, row):
+            slowest = group.take(w, lane, degree)
+            unknown = response(w, 2, degree - 2, 0, 0.0, degree, slowest, dt[j], reference, to)
+            doubt[j], why[j] = int(unknown), judged(row, wc[j], pm_deg[j])
+        else:
+            doubt[j] = ALONE
 
 
 def machine_code() -> tuple[str, bytes]:

@@ -31,9 +31,9 @@ from zoh.batch.compiled.polynomials import (
 from zoh.batch.compiled.quotients import LEAST, VALLEY, Q, valleys
 from zoh.batch.tolerances import DROP, ON_IT_DEG, UNITY
 
-_POLISH = 3
-_LAST = 1e-8  # relative: the error after a Newton's step as small as this is its square
-_AT_ONE = 1e-10  # of its terms: what is left of the gain at the crossover it was solved at
+POLISH = 3
+LAST = 1e-8  # relative: the error after a Newton's step as small as this is its square
+AT_ONE = 1e-10  # of its terms: what is left of the gain at the crossover it was solved at
 
 
 @compiled
@@ -56,14 +56,14 @@ def by_gain(w: int, n: int, x: float, dt: float, out: Array) -> bool:
     out[PM], out[CROSSOVER], out[DELAY] = inf, nan, inf
     for k in range(count):
         v = sqrt(roots[k])
-        for _ in range(_POLISH):
+        for _ in range(POLISH):
             a, b, of_a, of_b = on_axis(num, n, v)
             c, d, of_c, of_d = on_axis(den, n, v)
             square_n, square_d = a * a + b * b, c * c + d * d
             slope = -((of_b * a - of_a * b) / square_n - (of_d * c - of_c * d) / square_d)
             step = (square_n - square_d) / ((square_n + square_d) * slope)
             v -= step
-            if abs(step) <= _LAST * v:
+            if abs(step) <= LAST * v:
                 break
         a, b, _, _ = on_axis(num, n, v)
         c, d, _, _ = on_axis(den, n, v)
@@ -89,7 +89,7 @@ def unities(w: int, gain: Array, n: int) -> tuple[int, bool]:
     for k in range(n + 1):
         value += gain[k]
         bulk += abs(gain[k])
-    if abs(value) <= _AT_ONE * bulk:
+    if abs(value) <= AT_ONE * bulk:
         without(gain, n, 1.0, rest)
         if changes(rest, n - 1) == 0:
             roots[0] = 1.0
@@ -123,12 +123,12 @@ def by_phase(w: int, n: int, x: float, dt: float, out: Array) -> bool:
     for k in range(count + 2):
         if k < count:
             v = sqrt(roots[k])
-            for _ in range(_POLISH):
+            for _ in range(POLISH):
                 a, b, of_a, of_b = on_axis(num, n, v)
                 c, d, of_c, of_d = on_axis(den, n, v)
                 step = (b * c - a * d) / (of_a * c + of_b * d - a * of_c - b * of_d)
                 v -= step
-                if abs(step) <= _LAST * v:
+                if abs(step) <= LAST * v:
                     break
             a, b, _, _ = on_axis(num, n, v)
             c, d, _, _ = on_axis(den, n, v)

@@ -106,16 +106,16 @@ def _highest_bit(_: Any, marks: Any) -> Any:
     return _TYPES.int64(_TYPES.int64), made
 
 
+# marks of a row's samples from a column on: those above a height, at least as high, below it; those
+# further from a middle than a reach; those higher than as many from another column on
 above = cast(Callable[[Array, int, float], int], _against(">"))
 at_least = cast(Callable[[Array, int, float], int], _against(">="))
 below = cast(Callable[[Array, int, float], int], _against("<"))
 outside = cast(Callable[[Array, int, float, float], int], intrinsic(_outside))
 more = cast(Callable[[Array, int, int], int], intrinsic(_more))
-"""Return marks: of samples above a height, of those further from a middle than a reach, and of
-those at which the row is more than at the same place from another column on."""
+# the highest and the lowest of a block's samples
 highest = cast(Callable[[Array, int], float], _end(">"))
 lowest = cast(Callable[[Array, int], float], _end("<"))
-"""Return the highest and the lowest of a block's samples."""
+# the first and the last sample that is marked; there is one
 first_of = cast(Callable[[int], int], intrinsic(_lowest_bit))
 last_of = cast(Callable[[int], int], intrinsic(_highest_bit))
-"""Return the first and the last sample that is marked; there is one."""

@@ -13,8 +13,8 @@ from zoh.batch.compiled.jit import compiled, shared
 from zoh.batch.tolerances import DOUBLE, GRID
 
 _1, _2, _3, _4, _5, _6, _7 = (np.uint64(i) for i in range(1, 8))  # places that are never < 0
-_STEPS = 120
-_LAST = 1e-6  # relative: the error after a Newton's step as small as this is its square
+STEPS = 120
+LAST = 1e-6  # relative: the error after a Newton's step as small as this is its square
 
 
 @compiled
@@ -100,7 +100,7 @@ def changes(a: Array, n: int) -> int:
 def closed_in(a: Array, n: int, low: float, high: float, x: float, rising: bool) -> float:
     """Return the root between low and high, where a has two signs, the first - if it is rising."""
     last = inf
-    for _ in range(_STEPS):
+    for _ in range(STEPS):
         f, slope = with_slope(a, n, x)
         if f == 0.0:
             return x
@@ -113,7 +113,7 @@ def closed_in(a: Array, n: int, low: float, high: float, x: float, rising: bool)
         if not by_newton:
             new = sqrt(low) * sqrt(high)
         last = abs(new - x)
-        if (by_newton and last <= _LAST * x) or high <= low * (1.0 + 1e-15):
+        if (by_newton and last <= LAST * x) or high <= low * (1.0 + 1e-15):
             return new
         x = new
     return x

@@ -13,9 +13,9 @@ from zoh.batch.compiled.peaks import about
 from zoh.batch.compiled.room import NOTES, SIDES
 from zoh.batch.tolerances import DOUBLE, GRID
 
-_LAST = 1e-6  # relative: the error after a Newton's step as small as this is its square
-_CLOSED = 1e-15  # relative: a bracket with nothing left in it
-_STEPS = 100
+LAST = 1e-6  # relative: the error after a Newton's step as small as this is its square
+CLOSED = 1e-15  # relative: a bracket with nothing left in it
+STEPS = 100
 # rows of the room: where a quotient is least, in which bracket, how far that moved last, 1.0 where
 # it still moves, and 1.0 where it ended by Newton's method in a valley
 Q, _LOW, _HIGH, _MOVED, _MOVES, VALLEY = range(6)
@@ -37,7 +37,7 @@ def valleys(w: int, n: int) -> None:
         lines.under[k, 0], lines.under[k, 1] = lines.dd[k] * scale, lines.nn[k] * scale
         lines.under[k, 2], lines.under[k, 3] = three, three
     begun(w, n)
-    for _ in range(_STEPS):
+    for _ in range(STEPS):
         values(w, n)
         if not nearer(w):
             break
@@ -106,8 +106,8 @@ def nearer(w: int) -> bool:
         valley = 1.0 if by_newton & int(bend > 0.0) else 0.0
         room[VALLEY, i] = valley if moves > 0.0 else room[VALLEY, i]
         room[_LOW, i], room[_HIGH, i], room[_MOVED, i], room[Q, i] = low, high, abs(by), q + by
-        far_by = int(abs(by) > _LAST * q) | 1 - by_newton  # a half of little is not the end
-        on = far_by & int(high > low * (1.0 + _CLOSED)) & int(moves > 0.0)
+        far_by = int(abs(by) > LAST * q) | 1 - by_newton  # a half of little is not the end
+        on = far_by & int(high > low * (1.0 + CLOSED)) & int(moves > 0.0)
         room[_MOVES, i] = 1.0 if on else 0.0
         far |= on
     return far != 0

@@ -1,4 +1,4 @@
-"""The arrays of one loop as compiled code sees them, given the address of its room."""
+"""The arrays of a loop, and of loops side by side, as compiled code sees them, by their address."""
 
 from zoh.batch.compiled import room
 from zoh.batch.compiled.abreast.room import ABREAST

@@ -4,7 +4,7 @@ The usual loop has one of each, and Descartes' rule says so: what has more goes 
 ``zoh.batch.compiled.margins``, one at a time.
 """
 
-from math import inf, pi, sqrt
+from math import inf, nan, pi, sqrt
 
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
@@ -12,11 +12,9 @@ from zoh.batch.compiled.abreast.angles import angle
 from zoh.batch.compiled.abreast.room import DT, LOOPS, X
 from zoh.batch.compiled.abreast.rows import CHANGES, ROOT, on_axis, only_roots
 from zoh.batch.compiled.jit import compiled
+from zoh.batch.compiled.margins import AT_ONE, LAST, POLISH
 from zoh.batch.tolerances import DROP, UNITY
 
-_POLISH = 3
-_LAST = 1e-8  # relative: the error after a Newton's step as small as this is its square
-_AT_ONE = 1e-10  # of its terms: what is left of the gain at the crossover it was solved at
 # rows of what is found: v where the gain is 1, then rad/s, the turn from -180 deg there, a delay
 # that needs no turn; the factor that brings L to -1, v, then rad/s; where |T| has fallen by 3 dB
 _V, WC, TURN, LATE, GM, _V_180, W_180, W_DROP = range(8)
@@ -54,14 +52,14 @@ def by_gain(w: int, n: int) -> None:
             highest = term if term > highest else highest
             lowest = term if term < lowest else lowest
         top, bottom = abs(num[n, i]), abs(den[n, i])
-        one = int(abs(value) <= _AT_ONE * bulk) & (int(highest == 0.0) | int(lowest == 0.0))
+        one = int(abs(value) <= AT_ONE * bulk) & (int(highest == 0.0) | int(lowest == 0.0))
         one &= int(abs(top - bottom) > UNITY * bottom)
         one &= int(abs(abs(num[0, i]) - abs(den[0, i])) > UNITY * abs(den[0, i]))
         fine[i] = 1.0 if one else 0.0
         found[_V, i], found[LATE, i] = 1.0, inf if top < bottom else r.plant[DT, i]
     for i in range(LOOPS):
         rest[0, i] = 1.0  # where it still moves
-    for _ in range(_POLISH):
+    for _ in range(POLISH):
         far = 0
         for i in range(LOOPS):
             v, moves = found[_V, i], rest[0, i]
@@ -70,7 +68,7 @@ def by_gain(w: int, n: int) -> None:
             square_n, square_d = a * a + b * b, c * c + d * d
             slope = -((of_b * a - of_a * b) / square_n - (of_d * c - of_c * d) / square_d)
             step = (square_n - square_d) / ((square_n + square_d) * slope)
-            on = int(abs(step) > _LAST * v) & int(moves > 0.0)
+            on = int(abs(step) > LAST * v) & int(moves > 0.0)
             found[_V, i] = v - step if moves > 0.0 else v
             rest[0, i] = 1.0 if on else 0.0
             far |= on
@@ -88,7 +86,7 @@ def by_gain(w: int, n: int) -> None:
 
 @compiled
 def by_phase(w: int, n: int, degree: int) -> None:
-    """Write the gain margin; a loop that crosses otherwise than once is FINE no more.
+    """Write the gain margin; a loop that crosses more than once is FINE no more.
 
     degree  n - 1, as a number that the compiler knows: of Im L in v^2
     """
@@ -104,18 +102,19 @@ def by_phase(w: int, n: int, degree: int) -> None:
             turn[k, i] = total if k % 2 == 0 else -total
     only_roots(w, turn, degree)
     for i in range(LOOPS):
-        one, v = int(fine[i] > 0.0) & int(r.search[CHANGES, i] == 1.0), sqrt(r.search[ROOT, i])
-        fine[i] = 1.0 if one else 0.0
+        changes, v = r.search[CHANGES, i], sqrt(r.search[ROOT, i])
+        one = int(fine[i] > 0.0) & int(changes == 1.0)
+        fine[i] = 1.0 if one | (int(fine[i] > 0.0) & int(changes == 0.0)) else 0.0
         found[_V_180, i] = v if one else 1.0
-        r.rest[0, i] = 1.0
-    for _ in range(_POLISH):
+        r.rest[0, i] = 1.0 if one else 0.0
+    for _ in range(POLISH):
         far = 0
         for i in range(LOOPS):
             v, moves = found[_V_180, i], r.rest[0, i]
             a, b, of_a, of_b = on_axis(num, n, i, v)
             c, d, of_c, of_d = on_axis(den, n, i, v)
             step = (b * c - a * d) / (of_a * c + of_b * d - a * of_c - b * of_d)
-            on = int(abs(step) > _LAST * v) & int(moves > 0.0)
+            on = int(abs(step) > LAST * v) & int(moves > 0.0)
             found[_V_180, i] = v - step if moves > 0.0 else v
             r.rest[0, i] = 1.0 if on else 0.0
             far |= on
@@ -125,11 +124,12 @@ def by_phase(w: int, n: int, degree: int) -> None:
         a, b, _, _ = on_axis(num, n, i, found[_V_180, i])
         c, d, _, _ = on_axis(den, n, i, found[_V_180, i])
         product, square = a * c + b * d, c * c + d * d
-        sure = int(product * product >= 1e-20 * (a * a + b * b) * square) & int(fine[i] > 0.0)
-        fine[i] = 1.0 if sure else 0.0
+        never = int(r.search[CHANGES, i] == 0.0)
+        sure = int(product * product >= 1e-20 * (a * a + b * b) * square) | never
+        fine[i] = 1.0 if sure & int(fine[i] > 0.0) else 0.0
         factor = -square / product
         nearest, gm, v = inf, inf, found[_V_180, i]
-        good = int(factor > 0.0) & int(factor < inf)
+        good = int(factor > 0.0) & int(factor < inf) & (1 - never)
         away = factor if factor > 1.0 else 1.0 / factor
         nearest, gm = away if good else nearest, factor if good else gm
         factor = -den[0, i] / num[0, i]
@@ -145,7 +145,7 @@ def by_phase(w: int, n: int, degree: int) -> None:
 
 @compiled
 def by_drop(w: int, n: int) -> None:
-    """Write where |T| falls 3 dB below its value at rest; FINE where that is once, or never."""
+    """Write where |T| falls 3 dB below its value at rest, nan if never; FINE where that is told."""
     r = work.abreast(w)
     low, found, fine = r.some, r.found, r.fine
     for i in range(LOOPS):
@@ -155,10 +155,13 @@ def by_drop(w: int, n: int) -> None:
         fine[i] = 1.0 if int(at_rest > 0.0) & int(fine[i] > 0.0) else 0.0
     only_roots(w, low, n)
     for i in range(LOOPS):
-        fine[i] = 1.0 if int(r.search[CHANGES, i] == 1.0) & int(fine[i] > 0.0) else 0.0
+        changes = r.search[CHANGES, i]
+        told = int(changes == 1.0) | int(changes == 0.0)
+        fine[i] = 1.0 if told & int(fine[i] > 0.0) else 0.0
         x = r.search[ROOT, i]
         value, slope = low[n, i], 0.0
         for k in range(n - 1, -1, -1):
             slope = slope * x + value
             value = value * x + low[k, i]
-        found[W_DROP, i] = frequency(r.plant, i, sqrt(x - value / slope))
+        w_drop = frequency(r.plant, i, sqrt(x - value / slope))
+        found[W_DROP, i] = w_drop if changes == 1.0 else nan

@@ -67,8 +67,7 @@ def aim(w: int) -> None:
         c, d = p[BOTTOM, i] - x * x * p[BOTTOM + 2, i], x * p[BOTTOM + 1, i]
         over, under = a * a + b * b, c * c + d * d
         turn = (p[PM_DEG, i] - 180.0) * (pi / 180.0) - angle(b * c - a * d, a * c + b * d)
-        turn = turn + 2.0 * pi if turn < -pi else turn
-        turn = turn - 2.0 * pi if turn > pi else turn
+        turn = turn + 2.0 * pi if turn < -pi else turn  # above pi it is not: the margin is below pi
         p[TURN, i], p[SIZE, i] = turn, sqrt(over / under)
         p[SINE, i], p[COSINE, i] = sine_cosine(turn)
         top, bottom = abs(p[TOP + 2, i]), abs(p[BOTTOM + 2, i])

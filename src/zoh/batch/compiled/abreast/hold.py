@@ -3,7 +3,7 @@
 from math import inf, pi, sqrt
 
 from zoh.batch.compiled import work
-from zoh.batch.compiled.abreast.angles import sine_cosine
+from zoh.batch.compiled.abreast.angles import tangent
 from zoh.batch.compiled.abreast.room import (
     A0,
     A1,
@@ -36,7 +36,10 @@ _H, _H_NEXT, _P0, _P1, _Q0, _Q1, _WEIGHT, _SIZE, _NYQUIST, _LIVE = range(10)
 
 @compiled
 def hold(w: int) -> None:
-    """Hold every lane's (b1 s + b0)/(s^2 + a1 s + a0); OFF is inf where |A| dt is beyond it."""
+    """Hold every lane's (b1 s + b0)/(s^2 + a1 s + a0); OFF is inf where |A| dt is above 32.
+
+    X comes as rad/s of the crossover that is asked for, and is left as its p.
+    """
     scaled(w)
     at_nyquist(w)
     exponential(w)
@@ -50,8 +53,7 @@ def scaled(w: int) -> None:
     p, s = work.abreast(w).plant, work.abreast(w).room
     for i in range(LOOPS):
         dt = p[DT, i]
-        sine, cosine = sine_cosine(0.5 * p[X, i] * dt)
-        p[X, i] = sine / cosine
+        p[X, i] = tangent(0.5 * p[X, i] * dt)
         a0, a1, b0, b1 = p[A0, i] * (dt * dt), p[A1, i] * dt, p[B0, i] * (dt * dt), p[B1, i] * dt
         reach, other = 2.0 * sqrt(abs(a0)), 2.0 * abs(a1)
         reach = reach if reach > other else other

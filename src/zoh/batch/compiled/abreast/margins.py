@@ -87,7 +87,7 @@ def found(w: int, i: int, out: Array) -> bool:
     out[places.PM], out[places.CROSSOVER], out[places.DELAY] = pm, wc, min(late, of[LATE, i])
     out[places.GM] = of[GM, i]
     out[places.PHASE_CROSSOVER] = of[W_180, i] if of[GM, i] < inf else nan
-    _, den, both = r.sizes[0, i], r.sizes[1, i], r.sizes[2, i]
+    den, both = r.sizes[1, i], r.sizes[2, i]
     out[places.MODULUS], out[places.MS] = both / den, den / both
     out[places.MT] = r.sizes[0, LOOPS + i] / r.sizes[2, LOOPS + i]
     out[places.DISK] = 2.0 * r.sizes[2, 2 * LOOPS + i] / r.sizes[3, 2 * LOOPS + i]

@@ -10,10 +10,9 @@ from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
 from zoh.batch.compiled.abreast.room import LOOPS
 from zoh.batch.compiled.jit import compiled
+from zoh.batch.compiled.polynomials import LAST, STEPS
 from zoh.batch.tolerances import GRID
 
-_STEPS = 120
-_LAST = 1e-6  # relative: the error after a Newton's step as small as this is its square
 # rows of a search: the root, its bracket, values at the ends of that, how far the root moved last,
 # 1.0 where it still moves, the sign below the root, and the number of sign changes
 ROOT, _LOW, _HIGH, _AT_LOW, _AT_HIGH, _MOVED, _MOVES, _BELOW, CHANGES = range(9)
@@ -48,11 +47,11 @@ def only_roots(w: int, a: Array, n: int) -> None:
     """Write ROOT > 0 of each that changes its sign once (Descartes), and CHANGES.
 
     Where the signs of the powers say more, or where the root is not on ``GRID``, it means nothing:
-    CHANGES is not 1 then.
+    CHANGES is not 1 then, and 0 of one that has no root > 0.
     """
     counted(w, a, n)
     bracketed(w, a, n)
-    for _ in range(_STEPS):
+    for _ in range(STEPS):
         if not nearer(w, a, n):
             break
 
@@ -94,8 +93,8 @@ def bracketed(w: int, a: Array, n: int) -> None:
             s[_HIGH, i] = x if first else high
     for i in range(LOOPS):
         low, high, changes = s[_LOW, i], s[_HIGH, i], s[CHANGES, i]
-        inside = int(low > 0.0) & int(high < inf)
-        changes = changes if inside else -1.0
+        inside, never = int(low > 0.0) & int(high < inf), int(changes == 0.0) & int(high == inf)
+        changes = changes if inside | never else -1.0
         x = low + s[_AT_LOW, i] / (s[_AT_LOW, i] - s[_AT_HIGH, i]) * (high - low)
         x = x if x > low else low
         s[ROOT, i], s[CHANGES, i] = x if x < high else high, changes
@@ -119,7 +118,7 @@ def nearer(w: int, a: Array, n: int) -> bool:
         new = new if by_newton else middle
         new = x if f == 0.0 else new
         by = abs(new - x)
-        on = (int(by > _LAST * x) | 1 - by_newton) & int(high > low * (1.0 + 1e-15))
+        on = (int(by > LAST * x) | 1 - by_newton) & int(high > low * (1.0 + 1e-15))
         on &= int(f != 0.0) & int(moves > 0.0)
         s[_LOW, i], s[_HIGH, i], s[_MOVED, i] = low, high, by
         s[ROOT, i] = new if moves > 0.0 else x

@@ -6,13 +6,11 @@ from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
 from zoh.batch.compiled.abreast.room import LOOPS, QUOTIENTS
 from zoh.batch.compiled.jit import compiled
+from zoh.batch.compiled.quotients import CLOSED, LAST, STEPS
 from zoh.batch.tolerances import DOUBLE, GRID
 
 _APART = float(GRID[1] / GRID[0])  # neighbours on the grid
 _HALF = 0.5 * log(_APART)
-_LAST = 1e-6  # relative: the error after a Newton's step as small as this is its square
-_CLOSED = 1e-15  # relative: a bracket with nothing left in it
-_STEPS = 100
 # rows of the room: where a quotient is least, in which bracket, how far that moved last, 1.0 where
 # it still moves, 1.0 where it ended by Newton's method in a valley; values, the least one on the
 # grid and beside it; the terms of numerator - value denominator and what is said of them
@@ -37,7 +35,7 @@ def valleys(w: int, n: int) -> None:
             r.over[k, i], r.over[k, LOOPS + i] = r.aa[k, i], r.aa[k, i]
             r.over[k, 2 * LOOPS + i] = r.aa[k, i]
     about(w, n)
-    for _ in range(_STEPS):
+    for _ in range(STEPS):
         if not nearer(w, n):
             break
     proof(w, n)
@@ -112,8 +110,8 @@ def nearer(w: int, n: int) -> bool:
         valley = 1.0 if by_newton & int(bend > 0.0) else 0.0
         room[_VALLEY, i] = valley if moves > 0.0 else was
         room[_LOW, i], room[_HIGH, i], room[_MOVED, i], room[Q, i] = low, high, abs(by), q + by
-        far_by = int(abs(by) > _LAST * q) | 1 - by_newton  # a half of little is not the end
-        on = far_by & int(high > low * (1.0 + _CLOSED)) & int(moves > 0.0)
+        far_by = int(abs(by) > LAST * q) | 1 - by_newton  # a half of little is not the end
+        on = far_by & int(high > low * (1.0 + CLOSED)) & int(moves > 0.0) & int(slope == slope)
         room[_MOVES, i] = 1.0 if on else 0.0
         far |= on
     return far != 0
@@ -169,7 +167,7 @@ def at_end(room: Array, over: Array, under: Array, n: int, place: int, end: floa
         value, least = over[place, i] / under[place, i], inf
         for k in range(n + 1):
             term = over[k, i] - value * under[k, i] if k != place else inf
-            least = term if term < least else least
+            least = least if term >= least else term  # what is no number proves nothing
         q, proved = room[Q, i], room[LEAST, i]
         there = int(least > 0.0) & int(proved < 0.0)
         room[Q, i] = end if there else q
