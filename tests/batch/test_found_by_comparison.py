@@ -547,3 +547,52 @@ def highest_between(b1, b0, a1, a0, dt, controller):
             x = step * x
             best = max(best, ((out * x)[0] / final, (k + 1) * dt))
         return float(best[0]), float(best[1])
+
+
+SLOW = [  # b1, b0, a1, a0, dc_gain, wc, pm_deg, and % of overshoot by a dense simulation of its own
+    (0.997, 0.00369, 0.798, 0.0106, 15.95, 0.642, 116.0, 0.0247404),
+]
+
+
+@pytest.mark.parametrize(("b1", "b0", "a1", "a0", "dc_gain", "wc", "pm_deg", "over"), SLOW)
+def test_a_slow_response_whose_slope_leaps_is_seen_at_every_sample(
+    b1, b0, a1, a0, dc_gain, wc, pm_deg, over
+):
+    # at a long stride the one crest that is above the final value was stepped over
+    ways = [arrays]
+    if find_spec("numba"):
+        from zoh.batch.compiled import run as compiled
+
+        ways.append(compiled)
+    columns = {"wc": np.array([wc])}
+    plant = zoh.Plant(num=(b1, b0), den=(1.0, a1, a0))
+    asked = {"pm_deg": pm_deg, "dc_gain": dc_gain}
+    job = Job(plant=plant, law="lag", asked=asked, dt=1.0, varying=("wc",))
+    (truth,) = single.run(job, columns)["between.overshoot_pct"]
+    assert truth == pytest.approx(over, abs=1e-7)  # the digits that are printed of it
+    for way in ways:
+        assert way.run(job, columns)["between.overshoot_pct"][0] == pytest.approx(truth, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("num", "den", "gain", "controller"),
+    [
+        ([37.5], [1, 37.5], 37.5, zoh.Sampled(num=[1.0], den=[1.0], dt=1.0)),
+        ([0.15], [1, -0.45], 0.15000000000000002, zoh.Sampled(num=[3.0], den=[1.0], dt=1.0)),
+    ],
+)
+def test_one_rounding_from_the_limit_floats_do_not_decide(num, den, gain, controller):
+    ways = [arrays]
+    if find_spec("numba"):
+        from zoh.batch.compiled import run as compiled
+
+        ways.append(compiled)
+    plant = zoh.Plant(num=num, den=den)
+    job = Job(
+        plant=plant, law="given", controller=controller, dt=1.0, varying=("plant.gain",),
+    )  # fmt: skip
+    columns = {"plant.gain": np.array([gain])}
+    truth = single.run(job, columns)
+    assert truth["stable"].all()
+    for way in ways:
+        assert way.run(job, columns)["reason"].tolist() == truth["reason"].tolist()

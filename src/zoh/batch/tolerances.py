@@ -40,5 +40,6 @@ CREST = 0.98  # of the band: between samples at a long stride it may be left
 BELOW = 0.02  # of the highest sample: how far below it a crest's own may be, at a long stride
 NOTHING = 1e-10  # an overshoot below this part of the final value is rounding
 FAINT = 1e-9  # a final value below this is lost in what is left of the modes, QUIET or not
+ROUGH = 1 << 16  # samples of a response whose slope leaps at each of them: no stride is longer
 LEVELS = 40  # doublings of the stride that a loop is followed for
 MOST, FAR = 4096, 1 << 20  # samples at one stride, by arrays and by the compiled loop

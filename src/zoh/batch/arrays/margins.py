@@ -39,7 +39,8 @@ def stable(loops: Loops) -> tuple[Mask, Mask]:
 
     Routh's scheme of num + den, every row freed of its size.
     """
-    c = (loops.num + loops.den)[::-1]
+    c, bulk = (loops.num + loops.den)[::-1], (np.abs(loops.num) + np.abs(loops.den))[::-1]
+    ends = np.abs(c[[0, -1]]) <= PIVOT * bulk[[0, -1]]  # a pole at z = -1, or 1, but for rounding
     c = c / np.max(np.abs(c), axis=0)
     above, row = c[::2].copy(), c[1::2].copy()
     good, doubt = c[0] * c[-1] > 0, np.zeros(c.shape[1], bool)
@@ -60,7 +61,7 @@ def stable(loops: Loops) -> tuple[Mask, Mask]:
                 break
             doubt |= np.abs(following[0]) <= PIVOT * bulk[0]
             above, row = row, following
-    return good, doubt | ~np.isfinite(c).all(axis=0)
+    return good, doubt | ends.any(axis=0) | ~np.isfinite(c).all(axis=0)
 
 
 def measured(loops: Loops) -> tuple[dict[str, Array], Mask]:

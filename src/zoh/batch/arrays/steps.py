@@ -37,7 +37,8 @@ def step_metrics(
     sign = np.where(motion.final < 0, -1.0, 1.0)
     parts = pieces(plant, motion, delay)
     turns = Turns.of(plant, motion, parts, delay) if len(plant.before) > 2 else None
-    seen, passed, met, doubt = _followed(motion, parts, turns, sign, size, z)
+    rough = (plant.markov[0] != 0) & (len(plant.before) > 1)
+    seen, passed, met, doubt = _followed(motion, parts, turns, sign, size, z, rough)
     late = closed_in(motion, sign, size, seen, passed)
     over = seen.top / size - 1
     most, least = np.maximum(seen.most, motion.at_rest), np.minimum(seen.least, motion.at_rest)
@@ -86,9 +87,18 @@ class UnderWay:
 
 
 def _followed(
-    motion: Motion, parts: list[Piece], turns: Turns | None, sign: Array, size: Array, z: Complex
+    motion: Motion,
+    parts: list[Piece],
+    turns: Turns | None,
+    sign: Array,
+    size: Array,
+    z: Complex,
+    rough: Mask,
 ) -> tuple[Seen, Passed, list[list[Suspects]], Mask]:
-    """Return what was seen, what passed, crests in each part, and which loops were left early."""
+    """Return what was seen, what passed, crests in each part, and which loops were left early.
+
+    rough  where the slope leaps at each sample, so that any may have a crest: all are looked at
+    """
     seen, passed, doubt = Seen.of(len(size)), Passed.of(len(size)), np.zeros(len(size), bool)
     met: list[list[Suspects]] = [[] for _ in parts]
     modes, way = Modes.of(z, len(motion.delta)), UnderWay.of(motion, sign, size)
@@ -114,7 +124,7 @@ def _followed(
             passed.note(who, ys, us, k, stride, size[who], highest, seen)
             way = replace(way, state=state, k=k + _BLOCK * stride)
             done, turning = modes.look(who, way.k, way.delta, way.signals, way.rest, state, seen)
-            slow = turning * 2 * stride <= TURN
+            slow = (turning * 2 * stride <= TURN) & ~rough[who]
             waiting.append(only(way, np.flatnonzero(~done & slow)))
             way = only(way, np.flatnonzero(~done & ~slow))
             if not len(way.who):

@@ -25,6 +25,9 @@ def scheme(w: int, n: int) -> tuple[bool, bool]:
         size = max(size, abs(num[k] + den[k]))
     if not 0.0 < size < inf:
         return False, True
+    doubt = False
+    for k in (0, n):  # a pole at z = 1, or -1, but for rounding
+        doubt = doubt or abs(num[k] + den[k]) <= PIVOT * (abs(num[k]) + abs(den[k]))
     m, rest = n // 2 + 1, (n + 1) // 2
     for k in range(m):
         c[k] = (num[n - 2 * k] + den[n - 2 * k]) / size
@@ -33,7 +36,7 @@ def scheme(w: int, n: int) -> tuple[bool, bool]:
     for k in range(rest, m + 1):
         d[k] = 0.0
     sign = 1.0 if c[0] > 0.0 else -1.0
-    good, doubt = sign * (num[0] + den[0]) > 0.0, False
+    good = sign * (num[0] + den[0]) > 0.0
     for _ in range(n):
         bulk = 0.0
         for k in range(rest):

@@ -46,7 +46,7 @@ from zoh.batch.compiled.track import (
     start,
 )
 from zoh.batch.compiled.turns import suspected
-from zoh.batch.tolerances import BAND, FAINT, FAR, LEVELS, LOST, NEAR, NOTHING, QUIET, TURN
+from zoh.batch.tolerances import BAND, FAINT, FAR, LEVELS, LOST, NEAR, NOTHING, QUIET, ROUGH, TURN
 
 _NEXT = PAST + BLOCK  # the column of the sample after a block
 _CLOSE = 4.0 * BLOCK  # samples looked at one by one at least: what is met there costs the least
@@ -70,6 +70,7 @@ def step_metrics(
     begin(w, size)
     end = max(8.0, ceil(QUIET / slowest) + 4.0 * size)
     k, stride, level, done, lost = 0.0, 1.0, 0, False, True
+    rough = n > 1 and work.plant(w).markov[0] != 0.0  # any sample may have a crest: all are seen
     while level < LEVELS:
         first_ones(w, level, size)
         for _ in range(FAR // BLOCK):
@@ -89,7 +90,10 @@ def step_metrics(
                 lost = False
                 break
             go_on(work.track(w).block, size)
-            if turning * 2.0 * stride <= TURN and k >= _CLOSE:
+            if rough:
+                if k >= ROUGH:
+                    return True
+            elif turning * 2.0 * stride <= TURN and k >= _CLOSE:
                 lost = False
                 break
         if lost or done or k > end:

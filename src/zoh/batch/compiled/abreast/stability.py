@@ -18,7 +18,9 @@ def stable(w: int, n: int) -> None:
     for i in range(LOOPS):
         e, d = num[0, i] + den[0, i], num[1, i] + den[1, i]
         c, b = num[2, i] + den[2, i], num[3, i] + den[3, i]
-        good, doubt, a = 1, 0, b
+        good, a = 1, b
+        doubt = little(e, abs(num[0, i]), abs(den[0, i]))  # a pole at z = 1, but for rounding
+        doubt |= little(num[n, i] + den[n, i], abs(num[n, i]), abs(den[n, i]))  # or at z = -1
         if n == 4:  # one step of the scheme leaves a cubic
             a = num[n, i] + den[n, i]
             minus = a / b * d
