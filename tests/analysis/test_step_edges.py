@@ -5,6 +5,7 @@ from math import cos, exp, log, pi, sin, sqrt
 
 import numpy as np
 import pytest
+from mpmath import mp, mpf
 
 import zoh
 from zoh.analysis import motion
@@ -362,3 +363,39 @@ def test_what_is_not_followed_to_nine_tenths_has_no_rise(monkeypatch, most):
     monkeypatch.setattr(motion, "_MOST", most)
     got = step_info(Sampled(num=[0.5], den=[1, -0.5], dt=1.0))
     assert (got.rise_time, got.settling_time) == (None, None)
+
+
+def test_the_highest_between_samples_of_a_long_response_whose_slope_leaps():
+    """Of 5349 samples few are shown; each has a crest of its own, the highest is that of 324.
+
+    y = b0 x1 + b1 x2 by exact motion in 30 digits, the crest by halving its slope.
+    """
+    b1, b0, a1, a0 = map(mpf, (1.2782983136859838, 0.005649449024469331, 1.2806217912250752,
+                               0.006687310339926369))  # fmt: skip
+    law = Sampled(
+        num=[0.6390686584931605, -0.5985520755907452], den=[1.0, -0.9953759112473269], dt=1.0
+    )
+    plant = Plant(num=[float(b1), float(b0)], den=[1.0, float(a1), float(a0)])
+    (n1, n0), (_, d0) = [map(mpf, c) for c in (law.num, law.den)]
+    with mp.workdps(30):
+        a, out = mp.matrix([[0, 1, 0], [-a0, -a1, 1], [0, 0, 0]]), mp.matrix([[b0, b1, 0]])
+        step, x, error, before = mp.expm(a), mp.matrix([0, 0, 0]), mpf(0), mpf(0)
+        best = (mpf(0), mpf(0))
+        for k in range(330):
+            last, error = error, 1 - (out * x)[0]
+            x[2] = before = n1 * error + n0 * last - d0 * before
+            if k >= 320:
+                low, high = mpf(0), mpf(1)
+                for _ in range(60):
+                    middle = (low + high) / 2
+                    rises = (out * a * mp.expm(a * middle) * x)[0] > 0
+                    low, high = (middle, high) if rises else (low, middle)
+                best = max(best, ((out * mp.expm(a * low) * x)[0], k + low))
+            x = step * x
+        final = b0 * (n1 + n0) / (b0 * (n1 + n0) + a0 * (1 + d0))
+        over, when = float(100 * (best[0] / final - 1)), float(best[1])
+    found = zoh.measure(plant, law).step.between_samples
+    # 1e-8: of the 14 digits of y the overshoot, 2.6e-4 of it, has ten
+    assert found.overshoot_pct == pytest.approx(over, rel=1e-8)
+    assert found.peak_time == pytest.approx(when, rel=1e-6)  # the top is flat
+    assert int(when) == 324

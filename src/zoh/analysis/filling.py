@@ -16,13 +16,18 @@ _AS_DEAR = 1000  # samples that cost as much to look at as one row does to fill
 _ROUNDING = 1e-13  # of the largest: a crest that stands out by less does not
 
 
+def leaves_out(k: Indices) -> bool:
+    """Return whether samples between these are left out."""
+    return bool(k[-1] - k[0] >= len(k))
+
+
 def wanted(k: Indices, seen: Array, final: float, band: float) -> list[int]:
     """Return the rows before which samples were left out that a metric may need.
 
-    seen  output and effort at the samples k, shape (2, K)
+    seen  output and effort at the samples k, and bounds of the output over each, shape (2 or 4, K)
     band  where the output is last further than this from ``final`` is looked for
     """
-    if k[-1] - k[0] < len(k):
+    if not leaves_out(k):
         return []
     coarse = k[1:] - k[:-1] > 1
     begin = int(coarse.argmax())

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from zoh.analysis.filling import filled, wanted
+from zoh.analysis.filling import filled, leaves_out, wanted
 from zoh.analysis.loop import Array
 from zoh.analysis.motion import Indices, Motion, Track
 from zoh.analysis.pieces import Piece, bernstein, highest_bounds
@@ -50,12 +50,14 @@ class Waveform:
         Those are the extremes, the rise to ``final`` and the last entry into ``band`` around it.
         """
         both = motion.powers.seen
-        seen = both.dot(track.states)
-        while rows := wanted(track.k, seen, final, band):
+        seen, (low, high) = both.dot(track.states), bounds(motion, track.states)
+        while leaves_out(track.k):
+            # where the slope leaps at each sample the highest between may be far from that at one
+            if not (rows := wanted(track.k, np.array([*seen, low, high]), final, band)):
+                break
             track = filled(motion, track, rows)
-            seen = both.dot(track.states)
+            seen, (low, high) = both.dot(track.states), bounds(motion, track.states)
         y, u = seen[0], seen[1]  # an array is slow to unpack
-        low, high = bounds(motion, track.states)
         return cls(
             motion=motion, track=track, k=track.k, states=track.states, y=y, u=u,
             low=low, high=high, top=int(y.argmax()), bottom=int(y.argmin()),

@@ -15,7 +15,7 @@ SAME_TURN = 1e-12  # rad; a P turns the phase by nothing, but for rounding
 RESONANT = 1e-3  # of its terms: the plant this small at the crossover lacks digits of its phase
 ON_TARGET = 1e-9  # of the crossover, and deg of the margin: what a design promises
 ON_IT_DEG = 1e-12  # a margin this small is 0: a few roundings of the angle
-SHARP = 1e3  # Ms above which what rounding makes of L may make a billionth of the response
+SHARP = 1e3  # Ms above which rounding of a plant of order 3 may be a billionth of the response
 DROP = 10.0**-0.3  # 3 dB below, squared
 
 GRID = np.geomspace(1e-2, 1e4, 16)  # of q, where something is looked for first; 1 is one of it

@@ -71,7 +71,9 @@ def _alike(job: Job, wanted: Batch, delay: int) -> tuple[Results, Mask]:
     if len(who):
         good_ones = only(loops, who)
         figures, rounded = measured(good_ones)
-        doubt[who] |= rounded | ~(figures["ms"] <= SHARP)
+        doubt[who] |= rounded
+        if len(plant.before) > 2:
+            doubt[who] |= ~(figures["ms"] <= SHARP)
         held_ones = only(plant, who)
         moves = motion(held_ones, only(law, who), delay)
         late, rounded = step_metrics(

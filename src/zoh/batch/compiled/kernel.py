@@ -64,7 +64,7 @@ def one(
     if not good:
         reason[i] = UNSTABLE
         return False
-    if measured(w, degree, x, dt, margin) or not margin[MS] <= SHARP:
+    if measured(w, degree, x, dt, margin) or (n > 2 and not margin[MS] <= SHARP):
         return True
     slowest = modes(w, degree, x)
     if response(w, n, c, delay, lead, degree, slowest, dt, reference, step):

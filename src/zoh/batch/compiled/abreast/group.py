@@ -36,9 +36,9 @@ from zoh.batch.compiled.abreast.room import (
 from zoh.batch.compiled.abreast.stability import DOUBT, GOOD, stable
 from zoh.batch.compiled.jit import compiled, shared
 from zoh.batch.compiled.modes import alone
-from zoh.batch.compiled.places import GAINS, MS
+from zoh.batch.compiled.places import GAINS
 from zoh.batch.compiled.room import LATE, WHOLE
-from zoh.batch.tolerances import HELD, RESONANT, SHARP
+from zoh.batch.tolerances import HELD, RESONANT
 
 _NUM, _DEN, _DIRECT, _RESIDUES, _LEADS, _ENTERS, _MOVES, _GAINS = 0, 1, 2, 3, 5, 7, 9, 13
 
@@ -147,9 +147,7 @@ def unstable(w: int, lane: int) -> bool:
 def proved(w: int, lane: int, out: Array) -> bool:
     """Write a lane's margins; return whether they are, and its loop is stable."""
     said = work.abreast(w).said
-    if not (said[GOOD, lane] > 0.0 and said[DOUBT, lane] == 0.0 and found(w, lane, out)):
-        return False
-    return bool(out[MS] <= SHARP)
+    return bool(said[GOOD, lane] > 0.0 and said[DOUBT, lane] == 0.0 and found(w, lane, out))
 
 
 @compiled
