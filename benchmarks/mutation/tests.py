@@ -22,7 +22,6 @@ from types import CodeType, FunctionType, ModuleType
 
 import coverage
 import pytest
-from _pytest.runner import runtestprotocol
 from benchmarks.mutation.mutants import Mutant
 
 KILLED, SURVIVED, TIMEOUT, BROKEN = 1, 0, 124, 125
@@ -53,6 +52,7 @@ class Tests:
 
     def __init__(self, paths: Iterable[str]) -> None:
         self._items: dict[str, pytest.Item] = {}
+        self._failed = False
         self._serve: Callable[[], None] = lambda: None
         self._paths = list(paths)
 
@@ -99,9 +99,13 @@ class Tests:
         return recorded
 
     def _fails(self, name: str) -> bool:
-        """Run one test and return whether it or its fixtures failed."""
-        reports = runtestprotocol(self._items[name], log=False, nextitem=None)
-        return any(report.failed for report in reports)
+        """Run one test, as its marks say, and return whether it or its fixtures failed."""
+        self._failed, item = False, self._items[name]
+        item.ihook.pytest_runtest_protocol(item=item, nextitem=None)
+        return self._failed
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        self._failed |= report.failed
 
     def verdict(self, mutant: Mutant, names: list[str], seconds: float) -> tuple[int, str]:
         """Return how the mutant fares, and what killed it; ``seconds`` of the processor at most."""
