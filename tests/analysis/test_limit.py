@@ -6,7 +6,7 @@ from math import inf, nextafter
 import numpy as np
 import pytest
 
-from zoh.analysis.limit import late, says_on_the_limit, settled
+from zoh.analysis.limit import _beyond_doubt, late, says_on_the_limit, settled
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import margins, measure_loop
 from zoh.analysis.responses import noise_gains, response
@@ -156,6 +156,37 @@ def test_at_rest_one_unit_from_a_pole():
     expected = float(loop / (1 + loop)), float(c / (1 + loop))
     assert gains_at_rest(plant, p(gain, 0.1))[:2] == pytest.approx(expected, rel=1e-15)
     assert response(plant, p(gain, 0.1), by="step").final_value == pytest.approx(expected[0])
+
+
+def test_a_pole_at_minus_one_is_moved_by_the_loop():
+    """C = 0.1/(z + 1), P = (1 - e)/(z - e): z^2 + (1 - e) z - e + 0.1 (1 - e), both |z| below 1."""
+    held = sample(Plant(num=[1.0], den=[1.0, 1.0]), 0.1)
+    controller = Sampled(num=[0.1], den=[1.0, 1.0], dt=0.1)
+    e = np.exp(-0.1)
+    assert np.abs(np.roots([1, 1 - e, -e + 0.1 * (1 - e)])).max() < 0.996
+    assert settled(Loop.of(controller, held))[0] is True
+    hidden = Sampled(num=[0.1, 0.1], den=[1.0, 1.0], dt=0.1)  # what it shares with num stays
+    assert settled(Loop.of(hidden, held))[0] is False
+
+
+@pytest.mark.parametrize("m", [1, 2, 3])
+@pytest.mark.parametrize("v", [0, 1, 3])
+@pytest.mark.parametrize(("off", "bits"), [(2.0**-20, 18), (0.75, -1), (8.0, -5)])
+@pytest.mark.parametrize("at_rest", [False, True])
+def test_what_may_be_off_by_hand(m, v, off, bits, at_rest):
+    """Of terms t: (|den + num| 2^bits)^2 - (t |1 + p|^m)^2 at p = jv, which is w for dt = 2.
+
+    off is below 2^-(bits + 1), the 1 for a polynomial of degree 1, whose terms may cancel.
+    """
+    loop = Loop.of(Sampled.from_w(num_w=[1.0, 4.0], den_w=[3.0, 2.0], dt=2.0, delay=m))
+    closed = whole.plus(*late(loop, loop.exact))
+    first, last = (abs(a) + abs(b) for a, b in zip(*loop.exact, strict=True))
+    value = sum(c * (1j * v) ** i for i, c in enumerate(reversed(closed)))
+    square = int(value.real) ** 2 + int(value.imag) ** 2
+    terms = first * v + (0 if at_rest else last)
+    wanted = Fraction(4) ** bits * square - terms**2 * (1 + v * v) ** m
+    found = _beyond_doubt(loop, loop.exact, closed, off, at_rest=at_rest)
+    assert sum(c * v**i for i, c in enumerate(reversed(found))) == wanted * 4 ** max(-bits, 0)
 
 
 def closed_late(num, den, m):

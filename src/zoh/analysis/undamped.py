@@ -42,6 +42,8 @@ def _undamped(a: Whole) -> list[int]:
 
     >>> _undamped((1, 2, 1, 2, 0))  # (s + 2)(s^2 + 1) s, and s^2 = -q
     [1, -1]
+    >>> _undamped((3, 6))
+    [1]
     """
     even, odd = whole.on_axis(a)
     if divisors.share_nothing(even, odd) or not any(a):
