@@ -6,9 +6,9 @@ from math import ceil, cos, inf
 import numpy as np
 
 from zoh.analysis.loop import Loop
-from zoh.analysis.margins import glance, nearest_crossing
+from zoh.analysis.margins import glance
+from zoh.analysis.nyquist import closed_loop_stable, nearest_crossing
 from zoh.analysis.on_target import ELSEWHERE, UNSTABLE, surely_at
-from zoh.analysis.stability import closed_loop_stable
 from zoh.design import p as p_law
 from zoh.design import pid as pid_law
 from zoh.design.target import ABOVE, BELOW, Response, Target, nearest

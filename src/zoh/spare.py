@@ -19,8 +19,8 @@ import numpy.typing as npt
 
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import measure_loop
+from zoh.analysis.nyquist import closed_loop_stable
 from zoh.analysis.results import Margins
-from zoh.analysis.stability import closed_loop_stable
 from zoh.design import pid
 from zoh.design.target import Target, refusal
 from zoh.errors import Infeasible, SpecError

@@ -9,9 +9,10 @@ import pytest
 from zoh.analysis.limit import _beyond_doubt, late, says_on_the_limit, settled
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import margins, measure_loop
+from zoh.analysis.nyquist import closed_loop_stable
 from zoh.analysis.responses import noise_gains, response
 from zoh.analysis.rest import gains_at_rest
-from zoh.analysis.stability import closed_loop_stable, decided, surely, surely_stable
+from zoh.analysis.stability import decided, surely, surely_stable
 from zoh.analysis.verify import measure, verify
 from zoh.batch.reason import Reason
 from zoh.batch.sweep import sweep

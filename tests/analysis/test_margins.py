@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from mpmath import mp, mpc, mpf
 
 from zoh.analysis.loop import Loop
-from zoh.analysis.margins import margins, measure_loop, nearest_crossing
+from zoh.analysis.margins import margins, measure_loop
+from zoh.analysis.nyquist import nearest_crossing
 from zoh.errors import AccuracyWarning, SpecError
 from zoh.lti.systems import Plant, Sampled
 from zoh.sampling.hold import sample

@@ -10,7 +10,8 @@ from zoh.analysis import margins as room
 from zoh.analysis import stretches
 from zoh.analysis.loop import Loop
 from zoh.analysis.margin_crossings import margin_deg
-from zoh.analysis.margins import glance, margins, measure_loop, nearest_crossing
+from zoh.analysis.margins import glance, margins, measure_loop
+from zoh.analysis.nyquist import nearest_crossing
 from zoh.analysis.tabled.margins import table_margins
 from zoh.errors import SpecError
 from zoh.lti.frequency_response import FrequencyResponse

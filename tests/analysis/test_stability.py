@@ -8,11 +8,11 @@ import pytest
 from zoh.analysis import stability
 from zoh.analysis.certificates import Proof
 from zoh.analysis.loop import Loop
+from zoh.analysis.nyquist import closed_loop_stable
 from zoh.analysis.stability import (
     _none_encircled,
     _slow_crossover,
     _turns,
-    closed_loop_stable,
     decided,
 )
 from zoh.lti.systems import Plant, Sampled

@@ -46,7 +46,7 @@ _NEEDLE = 1e-4  # |1 + L| below which its least value needs more digits than flo
 _CHEAP = 2.5  # samples of delay up to which a proof costs less than a look from close by
 
 
-def _within_floats(measured: Callable[[Loop], T]) -> Callable[[Loop], T]:
+def within_floats(measured: Callable[[Loop], T]) -> Callable[[Loop], T]:
     """Return ``measured`` with SpecError for what is beyond floats; NumPy's words are not said."""
 
     @wraps(measured)
@@ -82,7 +82,7 @@ def margins(loop: Plant | Sampled | FrequencyResponse | TabledLoop) -> Margins:
     return found
 
 
-@_within_floats
+@within_floats
 def measure_loop(loop: Loop) -> Margins:
     """Return the margins of a loop on its frequency axis; raise SpecError beyond floats.
 
@@ -107,7 +107,7 @@ def measure_loop(loop: Loop) -> Margins:
     return replace(found, warnings=told) if told else found
 
 
-@_within_floats
+@within_floats
 def glance(loop: Loop) -> Margins:
     """Return what ``measure_loop`` does; where a delay makes proofs dear, a look from close by.
 
@@ -119,21 +119,7 @@ def glance(loop: Loop) -> Margins:
     return _measured(loop, squares, Close.of(loop, squares), decided(loop), [], prove=False)
 
 
-@_within_floats
-def nearest_crossing(loop: Loop) -> tuple[float | None, float]:
-    """Return the crossover and the phase margin in deg that ``glance`` shows, and nothing else."""
-    if loop.dead_time <= _CHEAP * (loop.dt or 0.0):
-        found = glance(loop)
-        return found.crossover, found.phase_margin_deg
-    squares = Squares.of(loop)
-    look = Close.of(loop, squares)
-    unities = look.unities()
-    turns = [] if any(squares.gain) else look.turns()
-    by_phase = phase_crossings(loop, squares, unities, turns, [])
-    return _nearest(gain_crossings(loop, squares, unities, by_phase, []))
-
-
-def _nearest(by_gain: Crossings) -> tuple[float | None, float]:
+def nearest(by_gain: Crossings) -> tuple[float | None, float]:
     """Return the crossing whose margin is the nearest to 0; none is inf away."""
     return min(by_gain, key=lambda c: abs(c[1]), default=(None, inf))
 
@@ -144,7 +130,7 @@ def _looked_at(loop: Loop, stable: tuple[bool | None, Proof], near: list[float])
     v of what may be beside a mode with next to no damping is added to ``near``.
     """
     squares = Squares.of(loop)
-    look = Sparse.of(loop, squares)
+    look = Sparse.of(loop, squares) if squares.whole else None
     found = _measured(loop, squares, look, stable, near) if look else None
     if found is not None and _holds(found):
         return found
@@ -190,7 +176,7 @@ def _measured(
     factor = nearest_gain[1] if by_phase else None
     found = Found(unities, turns, drops, peaks, factor)
     certificate = proved(loop, squares, look, found, stable=why) if prove else None
-    nearest_phase = _nearest(by_gain)
+    nearest_phase = nearest(by_gain)
     modulus, complementary, disk = peaks
     return Margins(
         stable=stable,

@@ -27,16 +27,6 @@ _LOST = 8  # bits that cancel only where a loop may be next to the limit; a floa
 _TOLD = 0, 1, -1  # coefficients that no pivot tells of: 0 where a pole is at z = -1, at z = 1
 
 
-def closed_loop_stable(loop: Loop) -> bool:
-    """Return whether 1 + L is known to have all its zeros strictly inside the stable region.
-
-    A zero on the boundary is not stable. Shared factors of num and den count: a hidden mode
-    that is unstable makes the loop unstable. What a hold has rounded is taken as it stands:
-    ``surely_stable`` asks further, and a search need not.
-    """
-    return decided(loop)[0] is True
-
-
 def surely_stable(loop: Loop, modulus: float | None = None) -> bool:
     """Return whether 1 + L is known to have them there whatever a hold has rounded.
 

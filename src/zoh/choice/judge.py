@@ -10,11 +10,11 @@ from zoh import checks
 from zoh.analysis.asked import OF_TIME, Compared, checked, of_effort, of_margins, of_time
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import glance
+from zoh.analysis.nyquist import closed_loop_stable
 from zoh.analysis.on_target import surely_on_target
 from zoh.analysis.responses import noise_gains
 from zoh.analysis.rest import gains_at_rest
 from zoh.analysis.results import StepInfo
-from zoh.analysis.stability import closed_loop_stable
 from zoh.analysis.step import closed_loop_step
 from zoh.choice.freedom import SLOWEST
 from zoh.errors import Infeasible, SpecError
