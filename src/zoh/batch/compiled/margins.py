@@ -5,7 +5,7 @@ from math import atan, atan2, degrees, inf, nan, pi, radians, sqrt
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
 from zoh.batch.compiled.jit import compiled, shared
-from zoh.batch.compiled.peaks import lowest
+from zoh.batch.compiled.peaks import lowest, valleys
 from zoh.batch.compiled.places import (
     BANDWIDTH,
     CROSSOVER,
@@ -28,7 +28,7 @@ from zoh.batch.compiled.polynomials import (
     with_slope,
     without,
 )
-from zoh.batch.compiled.quotients import LEAST, VALLEY, Q, valleys
+from zoh.batch.compiled.quotients import LEAST, VALLEY, Q
 from zoh.batch.tolerances import DROP, ON_IT_DEG, UNITY
 
 POLISH = 3

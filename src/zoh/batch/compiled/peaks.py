@@ -1,14 +1,48 @@
-"""Where a quotient of two polynomials is least, of one loop; see ``zoh.batch.arrays.peaks``."""
+"""Where quotients of two polynomials are least, of one loop; see ``zoh.batch.arrays.peaks``."""
 
-from math import inf, log, nan, sqrt
+from math import inf, nan, sqrt
 
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
 from zoh.batch.compiled.jit import compiled, shared
 from zoh.batch.compiled.polynomials import at, changes, on_grid, positive_roots, without
+from zoh.batch.compiled.quotients import begin, minimised, vertex
+from zoh.batch.compiled.room import SIDES
 from zoh.batch.tolerances import DOUBLE, GRID
 
-_HALF = 0.5 * log(GRID[1] / GRID[0])
+
+@compiled
+def valleys(w: int, n: int) -> None:
+    """Write where aa/dd, aa/nn and aa/bb are least, and the proof; aa on the grid is known."""
+    lines, bulk = work.lines(w), 0.0
+    for k in range(n + 1):
+        bulk += abs(lines.dd[k])
+    scale = 1.0 / bulk  # at q = 1 all are about as large: their products stay numbers
+    for k in range(n + 1):
+        lines.under[k, 0], lines.under[k, 1] = lines.dd[k] * scale, lines.nn[k] * scale
+        lines.under[k, 2] = lines.bb[k] * scale
+        for side in range(SIDES):
+            lines.over[k, side] = lines.aa[k]
+    about(w, lines.dd, n, 0)
+    about(w, lines.nn, n, 1)
+    about(w, lines.bb, n, 2)
+    minimised(lines.sides, lines.over, lines.under, n, SIDES)
+
+
+@compiled
+def about(w: int, b: Array, n: int, side: int) -> None:
+    """Begin at the inner place of the grid where aa/b is least, or where a parabola there is."""
+    lines = work.lines(w)
+    over, values = lines.grid[1], lines.grid[0]
+    on_grid(b, n, values)
+    for j in range(len(GRID)):
+        values[j] = over[j] / values[j]
+    best, least = 0, inf
+    for j in range(len(GRID)):
+        best, least = (j, values[j]) if values[j] < least else (best, least)
+    best = min(max(best, 1), len(GRID) - 2)
+    top, bottom = vertex(values[best - 1], values[best], values[best + 1])
+    begin(lines.sides, side, GRID[best] * top / bottom, GRID[best - 1], GRID[best + 1])
 
 
 @shared
@@ -60,29 +94,6 @@ def firm(a: Array, n: int, x: float) -> float:
     """Return the value at x of a square, nan where rounding may have made its first digits."""
     value, bulk = with_bulk(a, n, x)
     return value if value > DOUBLE * bulk else nan
-
-
-@compiled
-def about(w: int, b: Array, n: int) -> tuple[int, float]:
-    """Return (the inner place of the grid where a/b is least, where a parabola there is).
-
-    a on the grid is known. The parabola is one in log q, its exponential that of a fraction.
-    """
-    grid = work.lines(w).grid
-    over, under = grid[1], grid[0]
-    on_grid(b, n, under)
-    for j in range(len(GRID)):
-        under[j] = over[j] / under[j]
-    best, least = 0, inf
-    for j in range(len(GRID)):
-        best, least = (j, under[j]) if under[j] < least else (best, least)
-    best = min(max(best, 1), len(GRID) - 2)
-    before, here, after = under[best - 1], under[best], under[best + 1]
-    bend = before + after - 2.0 * here
-    t = _HALF * (before - after) / bend if bend > 0.0 else 0.0
-    t = min(max(t, -2.0 * _HALF), 2.0 * _HALF)
-    even, odd = 12.0 + t * t, 6.0 * t
-    return best, GRID[best] * (even + odd) / (even - odd)
 
 
 @shared

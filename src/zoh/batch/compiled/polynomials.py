@@ -15,6 +15,7 @@ from zoh.batch.tolerances import DOUBLE, GRID
 _1, _2, _3, _4, _5, _6, _7 = (np.uint64(i) for i in range(1, 8))  # places that are never < 0
 STEPS = 120
 LAST = 1e-6  # relative: the error after a Newton's step as small as this is its square
+CLOSED = 1e-15  # relative: a bracket with nothing left in it
 
 
 @compiled
@@ -113,7 +114,7 @@ def closed_in(a: Array, n: int, low: float, high: float, x: float, rising: bool)
         if not by_newton:
             new = sqrt(low) * sqrt(high)
         last = abs(new - x)
-        if (by_newton and last <= LAST * x) or high <= low * (1.0 + 1e-15):
+        if (by_newton and last <= LAST * x) or high <= low * (1.0 + CLOSED):
             return new
         x = new
     return x

@@ -15,7 +15,7 @@ BLOCK = 32  # samples between two looks at whether a loop is done
 ROOM = PAST + BLOCK + LANES  # columns of a block: it ends with the next one's first
 DOUBLINGS = 3  # of the motion by one sample: by ``LANES`` samples
 SEEN, KEPT = 12, 4  # what is seen of a step response, and the states that are kept of it
-SIDES, NOTES = 4, 21  # quotients side by side, and rows of what is known of them
+SIDES, NOTES = 3, 7  # quotients side by side, and rows of what is known of them
 WHOLE, LATE, PART = range(3)  # times that a plant is moved by: a sample, its end, a piece of it
 
 
@@ -105,7 +105,7 @@ class Lines(NamedTuple):
     """Polynomials: num and den of the loop in u; squares of sizes on the axis; room.
 
     work  of ``positive_roots``;  grid  values at the points of a grid;  parts  of a turn
-    under, sides  of ``quotients``
+    over, under, sides  of ``quotients``
     """
 
     num: Array
@@ -121,6 +121,7 @@ class Lines(NamedTuple):
     parts: Array
     work: Array
     grid: Array
+    over: Array
     under: Array
     sides: Array
 
@@ -162,7 +163,7 @@ PIECES = Layout(
 LINES = Layout(
     Lines, PIECES.end, num=(MOST,), den=(MOST,), nn=(MOST,), dd=(MOST,), aa=(MOST,), bb=(MOST,),
     some=(MOST,), rest=(MOST,), roots=(MOST,), edges=(MOST,), parts=(5, MOST), work=(MOST, MOST),
-    grid=(2, MOST), under=(MOST, SIDES), sides=(NOTES + MOST, SIDES),
+    grid=(2, MOST), over=(MOST, SIDES), under=(MOST, SIDES), sides=(NOTES + MOST, SIDES),
 )  # fmt: skip
 TRACK = Layout(
     Track, LINES.end, block=(WIDE + 4, ROOM), states=(KEPT, WIDE),

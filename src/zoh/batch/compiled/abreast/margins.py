@@ -17,8 +17,9 @@ from zoh.batch.compiled.abreast.crossings import (
 )
 from zoh.batch.compiled.abreast.room import LOOPS
 from zoh.batch.compiled.abreast.rows import on_axis, squared
-from zoh.batch.compiled.abreast.valleys import LEAST, Q, valleys
+from zoh.batch.compiled.abreast.valleys import valleys
 from zoh.batch.compiled.jit import compiled
+from zoh.batch.compiled.quotients import LEAST, Q
 from zoh.batch.tolerances import ON_IT_DEG
 
 

@@ -17,7 +17,7 @@ _POWERS = 5  # of a loop, at most
     A0, A1, B0, B1, DT, X, REACH, UNIT, HALVINGS, TERMS, DELTA, _, _, _, ENTERS, _, FIRST, SECOND,
     TOP, _, _, BOTTOM, _, _, AT_REST, OFF, PM_DEG, SIZE, TURN, COSINE, SINE,
 ) = range(31)  # fmt: skip
-_SEARCH, _FOUND, _VALLEYS, _WORK = 9, 8, 11 + _POWERS, 10  # rows of those who use them
+_SEARCH, _FOUND, _VALLEYS, _WORK = 9, 8, room.NOTES + _POWERS, 10  # rows of those who use them
 KEPT = 17  # numbers of a law
 
 

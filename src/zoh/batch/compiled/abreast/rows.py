@@ -10,7 +10,7 @@ from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
 from zoh.batch.compiled.abreast.room import LOOPS
 from zoh.batch.compiled.jit import compiled
-from zoh.batch.compiled.polynomials import LAST, STEPS
+from zoh.batch.compiled.polynomials import CLOSED, LAST, STEPS
 from zoh.batch.tolerances import GRID
 
 # rows of a search: the root, its bracket, values at the ends of that, how far the root moved last,
@@ -118,7 +118,7 @@ def nearer(w: int, a: Array, n: int) -> bool:
         new = new if by_newton else middle
         new = x if f == 0.0 else new
         by = abs(new - x)
-        on = (int(by > LAST * x) | 1 - by_newton) & int(high > low * (1.0 + 1e-15))
+        on = (int(by > LAST * x) | 1 - by_newton) & int(high > low * (1.0 + CLOSED))
         on &= int(f != 0.0) & int(moves > 0.0)
         s[_LOW, i], s[_HIGH, i], s[_MOVED, i] = low, high, by
         s[ROOT, i] = new if moves > 0.0 else x
