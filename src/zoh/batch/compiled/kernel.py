@@ -1,4 +1,7 @@
-"""A stretch of loops, one after the other: hold, law, stability, margins, step."""
+"""A stretch of loops, each from its hold to its step: law, stability, margins on the way.
+
+Those around plants of order 2 without a delay go side by side; what is unusual goes alone.
+"""
 
 from math import inf, log, tan
 
@@ -208,7 +211,7 @@ def side_by_side(
         group.gains(w, lane, numbers(gains + j * GAINS * _FLOAT))
         if group.unstable(w, lane):
             why[j] = UNSTABLE
-        elif group.proved(w, lane, row):
+        elif group.proved(w, degree, lane, row):
             slowest = group.take(w, lane, degree)
             unknown = response(w, 2, degree - 2, 0, 0.0, degree, slowest, dt[j], reference, to)
             doubt[j], why[j] = int(unknown), judged(row, wc[j], pm_deg[j])

@@ -21,7 +21,6 @@ from zoh.batch.compiled.places import (
 from zoh.batch.compiled.polynomials import (
     changes,
     on_axis,
-    on_grid,
     positive_roots,
     squared,
     times,
@@ -98,10 +97,10 @@ def unities(w: int, gain: Array, n: int) -> tuple[int, bool]:
 
 
 @compiled
-def by_phase(w: int, n: int, x: float, dt: float, out: Array) -> bool:
-    """Write what the phase crossings say; return any doubt."""
+def imaginary(w: int, n: int) -> int:
+    """Write a polynomial into ``some``, v turn(v^2) = Im num conj(den) at jv; return its degree."""
     lines = work.lines(w)
-    num, den, parts, roots = lines.num, lines.den, lines.parts, lines.roots
+    num, den, parts, turn = lines.num, lines.den, lines.parts, lines.some
     even, odd = n // 2, (n - 1) // 2 if n else 0
     for k in range(even + 1):
         sign = 1.0 if k % 2 == 0 else -1.0
@@ -110,14 +109,21 @@ def by_phase(w: int, n: int, x: float, dt: float, out: Array) -> bool:
         sign = 1.0 if k % 2 == 0 else -1.0
         parts[2, k] = sign * num[2 * k + 1] if 2 * k + 1 <= n else 0.0
         parts[3, k] = sign * den[2 * k + 1] if 2 * k + 1 <= n else 0.0
-    turn = parts[4]
     degree = times(parts[2], odd, parts[1], even, turn)
     for i in range(even + 1):
         for j in range(odd + 1):
             turn[i + j] -= parts[0, i] * parts[3, j]
     while degree > 0 and turn[degree] == 0.0:
         degree -= 1
-    count, doubt = positive_roots(w, turn, degree)
+    return degree
+
+
+@compiled
+def by_phase(w: int, n: int, x: float, dt: float, out: Array) -> bool:
+    """Write what the phase crossings say; return any doubt."""
+    lines = work.lines(w)
+    num, den, roots, degree = lines.num, lines.den, lines.roots, imaginary(w, n)
+    count, doubt = positive_roots(w, lines.some, degree)
     out[GM], out[PHASE_CROSSOVER] = inf, nan
     nearest = inf
     for k in range(count + 2):
@@ -196,7 +202,6 @@ def every_figure(w: int, n: int, x: float, dt: float, out: Array) -> bool:
     squared(some, n, bb)
     doubt = by_gain(w, n, x, dt, out)
     doubt = by_phase(w, n, x, dt, out) or doubt
-    on_grid(aa, n, lines.grid[1])
     valleys(w, n)
     v, unsure = least(w, dd, n, 0)
     doubt = doubt or unsure

@@ -13,7 +13,7 @@ from zoh.batch.tolerances import DOUBLE, GRID
 
 @compiled
 def valleys(w: int, n: int) -> None:
-    """Write where aa/dd, aa/nn and aa/bb are least, and the proof; aa on the grid is known."""
+    """Write where aa/dd, aa/nn and aa/bb are least, and the proof."""
     lines, bulk = work.lines(w), 0.0
     for k in range(n + 1):
         bulk += abs(lines.dd[k])
@@ -23,6 +23,7 @@ def valleys(w: int, n: int) -> None:
         lines.under[k, 2] = lines.bb[k] * scale
         for side in range(SIDES):
             lines.over[k, side] = lines.aa[k]
+    on_grid(lines.aa, n, lines.grid[1])
     about(w, lines.dd, n, 0)
     about(w, lines.nn, n, 1)
     about(w, lines.bb, n, 2)
@@ -31,7 +32,10 @@ def valleys(w: int, n: int) -> None:
 
 @compiled
 def about(w: int, b: Array, n: int, side: int) -> None:
-    """Begin at the inner place of the grid where aa/b is least, or where a parabola there is."""
+    """Begin at the inner place of the grid where aa/b is least, or where a parabola there is.
+
+    Row 1 of ``grid`` has aa on the grid.
+    """
     lines = work.lines(w)
     over, values = lines.grid[1], lines.grid[0]
     on_grid(b, n, values)

@@ -104,7 +104,8 @@ class Pieces(NamedTuple):
 class Lines(NamedTuple):
     """Polynomials: num and den of the loop in u; squares of sizes on the axis; room.
 
-    work  of ``positive_roots``;  grid  values at the points of a grid;  parts  of a turn
+    work  of ``positive_roots``;  grid  values at the points of a grid
+    parts  in q: num and den of even powers, then of odd ones;  some, rest  room for one
     over, under, sides  of ``quotients``
     """
 
@@ -162,7 +163,7 @@ PIECES = Layout(
 )  # fmt: skip
 LINES = Layout(
     Lines, PIECES.end, num=(MOST,), den=(MOST,), nn=(MOST,), dd=(MOST,), aa=(MOST,), bb=(MOST,),
-    some=(MOST,), rest=(MOST,), roots=(MOST,), edges=(MOST,), parts=(5, MOST), work=(MOST, MOST),
+    some=(MOST,), rest=(MOST,), roots=(MOST,), edges=(MOST,), parts=(4, MOST), work=(MOST, MOST),
     grid=(2, MOST), over=(MOST, SIDES), under=(MOST, SIDES), sides=(NOTES + MOST, SIDES),
 )  # fmt: skip
 TRACK = Layout(

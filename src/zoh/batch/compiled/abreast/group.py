@@ -8,7 +8,7 @@ from math import inf, nan, pi, sqrt
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import laws, work
 from zoh.batch.compiled.abreast.angles import angle, sine_cosine
-from zoh.batch.compiled.abreast.margins import found, margins
+from zoh.batch.compiled.abreast.margins import figures, margins
 from zoh.batch.compiled.abreast.modes import modes
 from zoh.batch.compiled.abreast.room import (
     A0,
@@ -21,15 +21,15 @@ from zoh.batch.compiled.abreast.room import (
     DT,
     ENTERS,
     FIRST,
+    GAIN,
     LOOPS,
     OFF,
     PM_DEG,
     REACH,
     SECOND,
     SINE,
-    SIZE,
+    THETA,
     TOP,
-    TURN,
     UNIT,
     X,
 )
@@ -40,7 +40,7 @@ from zoh.batch.compiled.places import GAINS
 from zoh.batch.compiled.room import LATE, WHOLE
 from zoh.batch.tolerances import HELD, RESONANT
 
-_NUM, _DEN, _DIRECT, _RESIDUES, _LEADS, _ENTERS, _MOVES, _GAINS = 0, 1, 2, 3, 5, 7, 9, 13
+_DIRECT, _RESIDUES, _LEADS, _ENTERS, _MOVES, _GAINS = 0, 1, 3, 5, 7, 11  # places in ``law``
 
 
 @compiled
@@ -68,7 +68,7 @@ def aim(w: int) -> None:
         over, under = a * a + b * b, c * c + d * d
         turn = (p[PM_DEG, i] - 180.0) * (pi / 180.0) - angle(b * c - a * d, a * c + b * d)
         turn = turn + 2.0 * pi if turn < -pi else turn  # above pi it is not: the margin is below pi
-        p[TURN, i], p[SIZE, i] = turn, sqrt(over / under)
+        p[THETA, i], p[GAIN, i] = turn, sqrt(over / under)
         p[SINE, i], p[COSINE, i] = sine_cosine(turn)
         top, bottom = abs(p[TOP + 2, i]), abs(p[BOTTOM + 2, i])
         top, bottom = top * x + abs(p[TOP + 1, i]), bottom * x + abs(p[BOTTOM + 1, i])
@@ -87,12 +87,12 @@ def solved(w: int, lane: int, code: int, spare: float, pole: float) -> float:
     if not abs(q[OFF, lane]) <= HELD:
         return nan
     lag = 2.0 / (pole * dt) if pole > 0.0 else 1.0
-    size, turn, cosine, sine = q[SIZE, lane], q[TURN, lane], q[COSINE, lane], q[SINE, lane]
-    laws.aimed(law, code, size, turn, cosine, sine, q[X, lane], dt, spare, lag)
+    gain, theta, cosine, sine = q[GAIN, lane], q[THETA, lane], q[COSINE, lane], q[SINE, lane]
+    laws.aimed(law, code, gain, theta, cosine, sine, q[X, lane], dt, spare, lag)
     kept = r.law[lane]
     for k in range(3):
         r.law_num[k, lane], r.law_den[k, lane] = law.num[k], law.den[k]
-    kept[_NUM], kept[_DEN], kept[_DIRECT] = law.num[0], law.den[0], law.numbers[0]
+    kept[_DIRECT] = law.numbers[0]
     for k in range(2):
         kept[_RESIDUES + k], kept[_LEADS + k] = law.residues[k], law.leads[k]
         kept[_ENTERS + k] = law.enters[k]
@@ -144,10 +144,11 @@ def unstable(w: int, lane: int) -> bool:
 
 
 @compiled
-def proved(w: int, lane: int, out: Array) -> bool:
+def proved(w: int, n: int, lane: int, out: Array) -> bool:
     """Write a lane's margins; return whether they are, and its loop is stable."""
     said = work.abreast(w).said
-    return bool(said[GOOD, lane] > 0.0 and said[DOUBT, lane] == 0.0 and found(w, lane, out))
+    sure = said[GOOD, lane] > 0.0 and said[DOUBT, lane] == 0.0
+    return bool(sure and figures(w, n, lane, out))
 
 
 @compiled
@@ -177,7 +178,8 @@ def take(w: int, lane: int, n: int) -> float:
     p.markov[0], p.markov[1] = q[FIRST, lane], q[SECOND, lane]
     p.top[0], p.bottom[0] = q[TOP, lane], q[BOTTOM, lane]
     p.numbers[0], p.numbers[1], p.numbers[2] = 1.0 / q[UNIT, lane], q[REACH, lane], q[OFF, lane]
-    law.num[0], law.den[0], law.numbers[0] = kept[_NUM], kept[_DEN], kept[_DIRECT]
+    law.num[0], law.den[0] = r.law_num[0, lane], r.law_den[0, lane]
+    law.numbers[0] = kept[_DIRECT]
     nearest = -1.0
     for k in range(n):
         m.re[k], m.im[k], m.turn[k] = r.re[k, lane], r.im[k, lane], r.turn[k, lane]

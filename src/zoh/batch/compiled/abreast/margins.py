@@ -6,8 +6,7 @@ from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import places, work
 from zoh.batch.compiled.abreast.crossings import (
     GM,
-    LATE,
-    TURN,
+    MARGIN,
     W_180,
     W_DROP,
     WC,
@@ -15,7 +14,7 @@ from zoh.batch.compiled.abreast.crossings import (
     by_gain,
     by_phase,
 )
-from zoh.batch.compiled.abreast.room import LOOPS
+from zoh.batch.compiled.abreast.room import DT, LOOPS
 from zoh.batch.compiled.abreast.rows import on_axis, squared
 from zoh.batch.compiled.abreast.valleys import valleys
 from zoh.batch.compiled.jit import compiled
@@ -25,7 +24,7 @@ from zoh.batch.tolerances import ON_IT_DEG
 
 @compiled
 def margins(w: int, n: int, degree: int) -> None:
-    """Find what can be found of all lanes at once; FINE is not 1.0 of those that are unusual."""
+    """Find what can be found of all lanes at once; ``fine`` is 0.0 of those that are unusual."""
     squares(w, n)
     by_gain(w, n)
     by_phase(w, n, degree)
@@ -75,17 +74,19 @@ def sizes(w: int, n: int) -> None:
 
 
 @compiled
-def found(w: int, i: int, out: Array) -> bool:
+def figures(w: int, n: int, i: int, out: Array) -> bool:
     """Write the figures of lane i; return whether it is one of the usual loops."""
     r = work.abreast(w)
     if not r.fine[i] > 0.0:
         return False
     of = r.found
-    pm, wc = degrees(of[TURN, i]), of[WC, i]
+    pm, wc = degrees(of[MARGIN, i]), of[WC, i]
     if pm <= -180.0:
         pm = 180.0
     late = 0.0 if abs(pm) < ON_IT_DEG else radians(pm if pm > 0.0 else pm + 360.0) / wc
-    out[places.PM], out[places.CROSSOVER], out[places.DELAY] = pm, wc, min(late, of[LATE, i])
+    out[places.PM], out[places.CROSSOVER], out[places.DELAY] = pm, wc, late
+    if abs(r.num[n, i]) >= abs(r.den[n, i]):
+        out[places.DELAY] = min(late, r.plant[DT, i])
     out[places.GM] = of[GM, i]
     out[places.PHASE_CROSSOVER] = of[W_180, i] if of[GM, i] < inf else nan
     den, both = r.sizes[1, i], r.sizes[2, i]

@@ -15,17 +15,17 @@ _POWERS = 5  # of a loop, at most
 # gain at rest has come out; what is asked, and what gain there is at x and what turn is missing
 (
     A0, A1, B0, B1, DT, X, REACH, UNIT, HALVINGS, TERMS, DELTA, _, _, _, ENTERS, _, FIRST, SECOND,
-    TOP, _, _, BOTTOM, _, _, AT_REST, OFF, PM_DEG, SIZE, TURN, COSINE, SINE,
+    TOP, _, _, BOTTOM, _, _, AT_REST, OFF, PM_DEG, GAIN, THETA, COSINE, SINE,
 ) = range(31)  # fmt: skip
-_SEARCH, _FOUND, _VALLEYS, _WORK = 9, 8, room.NOTES + _POWERS, 10  # rows of those who use them
-KEPT = 17  # numbers of a law
+_SEARCH, _FOUND, _VALLEYS, _WORK = 9, 7, room.NOTES + _POWERS, 10  # rows of those who use them
+_LAW = 15  # numbers of a law besides its transfer function
 
 
 class Abreast(NamedTuple):
     """A loop a lane.
 
     plant   see above;  law_num, law_den  of the controller in p;  num, den  of the loop in u
-    law     a lane a row: what of ``room.Law`` the motion needs, and the gains;  loop  which it is
+    law     a lane a row: what else of ``room.Law`` the motion needs, and the gains;  loop  which
     nn, dd, aa, bb  squares of |num|, |den|, |num + den|, |den - num| on the axis;  some, rest  room
     search, over, under, valleys, sizes, roots, room  of those who look for something
     found, fine, said  what there is, 1.0 where it is proved, whether the loop is stable
@@ -66,7 +66,7 @@ class Abreast(NamedTuple):
 _LINE, _MODES = (_POWERS, LOOPS), (_POWERS - 1, LOOPS)
 _SHARES = ((_POWERS - 1) ** 2, LOOPS)
 ABREAST = Layout(
-    Abreast, room.LENGTH, plant=(31, LOOPS), law=(LOOPS, KEPT), loop=(LOOPS,),
+    Abreast, room.LENGTH, plant=(31, LOOPS), law=(LOOPS, _LAW), loop=(LOOPS,),
     law_num=(3, LOOPS), law_den=(3, LOOPS), num=_LINE, den=_LINE, nn=_LINE, dd=_LINE, aa=_LINE,
     bb=_LINE, some=_LINE, rest=_LINE, search=(_SEARCH, LOOPS), found=(_FOUND, LOOPS),
     fine=(LOOPS,), said=(2, LOOPS), over=(_POWERS, QUOTIENTS), under=(_POWERS, QUOTIENTS),

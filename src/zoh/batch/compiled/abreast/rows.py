@@ -33,6 +33,16 @@ def squared(a: Array, n: int, out: Array) -> None:
 
 
 @compiled
+def with_slope(a: Array, n: int, i: int, x: float) -> tuple[float, float]:
+    """Return the value and the derivative at x, of lane i."""
+    value, slope = a[n, i], 0.0
+    for k in range(n - 1, -1, -1):
+        slope = slope * x + value
+        value = value * x + a[k, i]
+    return value, slope
+
+
+@compiled
 def on_axis(a: Array, n: int, i: int, v: float) -> tuple[float, float, float, float]:
     """Return a(jv) and a'(jv) of lane i, the derivative by its argument: real, imaginary parts."""
     real, imag, of_real, of_imag = a[n, i], 0.0, 0.0, 0.0
@@ -107,10 +117,7 @@ def nearer(w: int, a: Array, n: int) -> bool:
     s, far = work.abreast(w).search, 0
     for i in range(LOOPS):
         x, moves, low, high = s[ROOT, i], s[_MOVES, i], s[_LOW, i], s[_HIGH, i]
-        f, slope = a[n, i], 0.0
-        for k in range(n - 1, -1, -1):
-            slope = slope * x + f
-            f = f * x + a[k, i]
+        f, slope = with_slope(a, n, i, x)
         below = f * s[_BELOW, i] > 0.0
         low, high = x if below else low, high if below else x
         new, middle = x - f / slope, 0.5 * (low + high)
