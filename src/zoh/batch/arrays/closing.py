@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 
 from zoh.batch.arrays.between import Piece, crest
-from zoh.batch.arrays.crests import Late, Passed, earlier, highest, outside
+from zoh.batch.arrays.crests import Late, Passed, earlier, highest, later
 from zoh.batch.arrays.held import Held
 from zoh.batch.arrays.look import Part, Seen, Suspects
 from zoh.batch.arrays.motion import Motion
@@ -32,7 +32,7 @@ def closed_in(motion: Motion, sign: Array, size: Array, seen: Seen, passed: Pass
     if len(who):
         part, last = Part.of(motion, sign, size, who), seen.k_out[who]
         seen.k_out[who] = part.last(last, last + seen.stride_out[who], Part.out)[0]
-    outside(motion, sign, size, seen, passed)
+    later(motion, sign, size, seen, passed)
     return highest(motion, sign, size, seen, passed)
 
 

@@ -124,7 +124,7 @@ def earlier(
     places[:] = np.where(np.isinf(first), places, first)
 
 
-def outside(motion: Motion, sign: Array, size: Array, seen: Seen, passed: Passed) -> None:
+def later(motion: Motion, sign: Array, size: Array, seen: Seen, passed: Passed) -> None:
     """Move the last sample outside the band to where a crest left it for less than a stride."""
     for side in (1.0, -1.0):
         crests = _joined(passed.of_band[side], np.zeros(len(size)))

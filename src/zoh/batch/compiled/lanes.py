@@ -10,7 +10,7 @@ _1, _2, _3, _4, _5, _6, _7 = (np.uint64(i) for i in range(1, 8))  # places that 
 
 
 @compiled
-def alike(x: float) -> Lanes:
+def everywhere(x: float) -> Lanes:
     """Return the same number in every lane."""
     return x, x, x, x, x, x, x, x
 
@@ -43,9 +43,20 @@ def plus(x: Lanes, y: Lanes) -> Lanes:
 
 
 @compiled
-def more(x: Lanes, part: float, y: Lanes) -> Lanes:
+def plus_times(x: Lanes, part: float, y: Lanes) -> Lanes:
     """Return x + part y."""
     return (
         x[0] + part * y[0], x[1] + part * y[1], x[2] + part * y[2], x[3] + part * y[3],
         x[4] + part * y[4], x[5] + part * y[5], x[6] + part * y[6], x[7] + part * y[7],
+    )  # fmt: skip
+
+
+@compiled
+def plus_sizes(x: Lanes, part: float, y: Lanes, middle: float) -> Lanes:
+    """Return x + part |y - middle|."""
+    return (
+        x[0] + part * abs(y[0] - middle), x[1] + part * abs(y[1] - middle),
+        x[2] + part * abs(y[2] - middle), x[3] + part * abs(y[3] - middle),
+        x[4] + part * abs(y[4] - middle), x[5] + part * abs(y[5] - middle),
+        x[6] + part * abs(y[6] - middle), x[7] + part * abs(y[7] - middle),
     )  # fmt: skip

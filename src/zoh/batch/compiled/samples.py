@@ -4,7 +4,7 @@ from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
 from zoh.batch.compiled.between import crest, doubtful, estimate
 from zoh.batch.compiled.jit import compiled, shared
-from zoh.batch.compiled.marks import (
+from zoh.batch.compiled.masks import (
     above,
     at_least,
     below,

@@ -82,7 +82,7 @@ def step_metrics(
             elif long_stride(w, count, n, level, sign, full, k, size):
                 return True
             k += BLOCK * stride
-            if k < _CLOSE and outside(w, sign, full):
+            if k < _CLOSE and too_early(w, sign, full):
                 go_on(work.track(w).block, size)
                 continue
             done, turning = look(w, sign, full, at_rest, order, size)
@@ -119,7 +119,7 @@ def begin(w: int, size: int) -> None:
 
 
 @compiled
-def outside(w: int, sign: float, full: float) -> bool:
+def too_early(w: int, sign: float, full: float) -> bool:
     """Return whether no look can end well: at one of the next samples the modes add up to as much.
 
     They are as large now at least, for each of them only falls.

@@ -4,14 +4,14 @@ from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
 from zoh.batch.compiled.between import crest
 from zoh.batch.compiled.jit import compiled, shared
-from zoh.batch.compiled.marks import (
+from zoh.batch.compiled.masks import (
     above,
     at_least,
     below,
     first_of,
+    higher,
     highest,
     lowest,
-    more,
     outside,
 )
 from zoh.batch.compiled.room import BLOCK, PAST
@@ -120,7 +120,7 @@ def passed_by(
 
 @compiled
 def met(y: Array, u: Array, seen: Array, full: float) -> int:
-    """Return marks: of the samples of a block at which there may be something to be closed in on.
+    """Return a mask of the samples of a block at which there may be something to be closed in on.
 
     That is 10 % or 90 % that are reached, an end of the band that is passed, or a sample before
     that is higher or lower than those about it, about as far as that has been seen.
@@ -132,14 +132,14 @@ def met(y: Array, u: Array, seen: Array, full: float) -> int:
         found |= 1 << first_of(at_least(y, first, 0.1 * full))
     if seen[TOP] < 0.9 * full <= top:
         found |= 1 << first_of(at_least(y, first, 0.9 * full))
-    peaks = more(y, before, first) & ~more(y, before - 1, before)
-    valleys = more(y, first, before) & ~more(y, before, before - 1)
+    peaks = higher(y, before, first) & ~higher(y, before - 1, before)
+    valleys = higher(y, first, before) & ~higher(y, before, before - 1)
     found |= peaks & above(y, before, seen[TOP] - BELOW * full)
     found |= (peaks | valleys) & outside(y, before, full, CREST * band)
     most, least = max(seen[MOST_U], highest(u, first)), min(seen[LEAST_U], lowest(u, first))
     near = BELOW * max(abs(most), abs(least))
-    peaks = more(u, before, first) & ~more(u, before - 1, before)
-    valleys = more(u, first, before) & ~more(u, before, before - 1)
+    peaks = higher(u, before, first) & ~higher(u, before - 1, before)
+    valleys = higher(u, first, before) & ~higher(u, before, before - 1)
     found |= peaks & above(u, before, seen[MOST_U] - near)
     return found | (valleys & below(u, before, seen[LEAST_U] + near))
 

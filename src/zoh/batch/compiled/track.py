@@ -9,7 +9,7 @@ from math import inf
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
 from zoh.batch.compiled.jit import compiled, shared
-from zoh.batch.compiled.lanes import alike, more, plus, put, taken
+from zoh.batch.compiled.lanes import everywhere, plus, plus_times, put, taken
 from zoh.batch.compiled.room import BLOCK, DOUBLINGS, LANES, PAST, SEEN, WIDE
 
 # places of what is seen
@@ -37,9 +37,9 @@ def product(
 ) -> None:
     """Write factor weights rows from one place to another, a whole number of ``LANES``."""
     for i in range(first, end, LANES):
-        total = alike(0.0)
+        total = everywhere(0.0)
         for j in range(size):
-            total = more(total, factor * weights[j], taken(rows[j], i))
+            total = plus_times(total, factor * weights[j], taken(rows[j], i))
         put(total, out, i)
 
 
@@ -89,9 +89,9 @@ def doubled(s: Array, out: Array, size: int) -> None:
             one = taken(s[k], first)
             other = one
             for j in range(0, size - 1, 2):
-                one = more(one, s[k, j], taken(s[j], first))
+                one = plus_times(one, s[k, j], taken(s[j], first))
             for j in range(1, size - 1, 2):
-                other = more(other, s[k, j], taken(s[j], first))
+                other = plus_times(other, s[k, j], taken(s[j], first))
             put(plus(one, other), out[k], first)
 
 
@@ -130,11 +130,11 @@ def filled(w: int, level: int, size: int) -> None:
 def next_ones(s: Array, block: Array, first: int, size: int) -> None:
     """Write the ``LANES`` columns after as many; the last number of Z stays, 1."""
     for i in range(size - 1):
-        one, other = taken(block[i], first), alike(s[size - 1, i])
+        one, other = taken(block[i], first), everywhere(s[size - 1, i])
         for j in range(0, size - 1, 2):
-            one = more(one, s[j, i], taken(block[j], first))
+            one = plus_times(one, s[j, i], taken(block[j], first))
         for j in range(1, size - 1, 2):
-            other = more(other, s[j, i], taken(block[j], first))
+            other = plus_times(other, s[j, i], taken(block[j], first))
         put(plus(one, other), block[i], first + LANES)
 
 

@@ -6,13 +6,12 @@ the others, but for few.
 
 from math import inf
 
-import numpy as np
-
 from zoh.batch.arrays.rows import Array
 from zoh.batch.compiled import work
 from zoh.batch.compiled.between import PARTS, crest
 from zoh.batch.compiled.jit import compiled, shared
-from zoh.batch.compiled.marks import at_least, first_of, highest
+from zoh.batch.compiled.lanes import everywhere, plus_sizes, put, taken
+from zoh.batch.compiled.masks import at_least, first_of, highest
 from zoh.batch.compiled.room import BLOCK, LANES, PAST, Pieces
 from zoh.batch.compiled.samples import shown
 from zoh.batch.compiled.track import FALL as BOUND
@@ -21,7 +20,6 @@ from zoh.batch.compiled.track import RISE as CORNER
 from zoh.batch.tolerances import NOTHING
 
 _END = PAST + BLOCK
-_1, _2, _3, _4, _5, _6, _7 = (np.uint64(i) for i in range(1, 8))  # places that are never < 0
 _WEIGHT, _REST, _ROW = range(3)
 
 
@@ -105,20 +103,11 @@ def suspected(w: int, count: int, n: int, sign: float, full: float, k: float, si
 def bent(bends: Array, block: Array, columns: int, out: Array) -> None:
     """Write by how much y may be above its corners within each sample of a block."""
     for i in range(PAST, _END, LANES):
-        at = np.uint64(i)
-        a = b = c = d = e = f = g = h = 0.0
+        total = everywhere(0.0)
         for j in range(columns):
-            weight, rest, row = bends[_WEIGHT, j], bends[_REST, j], int(bends[_ROW, j])
-            a += weight * abs(block[row, at] - rest)
-            b += weight * abs(block[row, at + _1] - rest)
-            c += weight * abs(block[row, at + _2] - rest)
-            d += weight * abs(block[row, at + _3] - rest)
-            e += weight * abs(block[row, at + _4] - rest)
-            f += weight * abs(block[row, at + _5] - rest)
-            g += weight * abs(block[row, at + _6] - rest)
-            h += weight * abs(block[row, at + _7] - rest)
-        out[at], out[at + _1], out[at + _2], out[at + _3] = a, b, c, d
-        out[at + _4], out[at + _5], out[at + _6], out[at + _7] = e, f, g, h
+            at = taken(block[int(bends[_ROW, j])], i)
+            total = plus_sizes(total, bends[_WEIGHT, j], at, bends[_REST, j])
+        put(total, out, i)
 
 
 @compiled

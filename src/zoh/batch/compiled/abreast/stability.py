@@ -24,14 +24,14 @@ def stable(w: int, n: int) -> None:
         if n == 4:  # one step of the scheme leaves a cubic
             a = num[n, i] + den[n, i]
             minus = a / b * d
-            good &= alike(a, b)
+            good &= same_sign(a, b)
             doubt |= little(b, abs(b), abs(d)) | little(c - minus, abs(c) + abs(minus), 0.0)
             a, b, c, d = b, c - minus, d, e
         else:
             a, b, c, d = b, c, d, e
         minus = a / b * d
         last = c - minus
-        good &= alike(a, b) & alike(a, last) & alike(a, d)
+        good &= same_sign(a, b) & same_sign(a, last) & same_sign(a, d)
         doubt |= little(b, abs(b), abs(d)) | little(last, abs(c) + abs(minus), 0.0)
         doubt |= little(d, abs(d), abs(b / last * c))
         doubt |= 1 - int(abs(a) + abs(b) + abs(c) + abs(d) + abs(last) < inf)
@@ -39,7 +39,7 @@ def stable(w: int, n: int) -> None:
 
 
 @compiled
-def alike(a: float, b: float) -> int:
+def same_sign(a: float, b: float) -> int:
     """Return 1 where both have one sign, and are not 0."""
     return (int(a > 0.0) & int(b > 0.0)) | (int(a < 0.0) & int(b < 0.0))
 

@@ -1,6 +1,6 @@
 """What holds at which samples of a block, all of them asked at once.
 
-Marks are a whole number, a bit a sample, the first one's the lowest; numba alone asks one sample
+A mask is a whole number, a bit a sample, the first one's the lowest; numba alone asks one sample
 after the other. A row is asked from a column on, so that of the one before or after is, too.
 Source: LLVM Language Reference Manual, "fcmp", "select" and "bitcast" of vectors, "llvm.cttz".
 """
@@ -35,7 +35,7 @@ def _everywhere(builder: Any, number: Any) -> Any:
     return builder.shuffle_vector(one, one, places)
 
 
-def _marks(builder: Any, holds: Any) -> Any:
+def _mask(builder: Any, holds: Any) -> Any:
     return builder.zext(builder.bitcast(holds, _IR.IntType(BLOCK)), _WHOLE)
 
 
@@ -43,7 +43,7 @@ def _against(sign: str) -> Any:
     def compiled(_: Any, row: Any, first: Any, height: Any) -> Any:
         def made(context: Any, builder: Any, signature: Any, values: Any) -> Any:
             there = _samples(context, builder, signature.args[0], *values[:2])
-            return _marks(
+            return _mask(
                 builder, builder.fcmp_ordered(sign, there, _everywhere(builder, values[2]))
             )
 
@@ -58,17 +58,17 @@ def _outside(_: Any, row: Any, first: Any, middle: Any, reach: Any) -> Any:
         off = builder.fsub(there, _everywhere(builder, values[2]))
         above = builder.fcmp_ordered(">", off, _everywhere(builder, values[3]))
         below = builder.fcmp_ordered("<", off, _everywhere(builder, builder.fneg(values[3])))
-        return _marks(builder, builder.or_(above, below))
+        return _mask(builder, builder.or_(above, below))
 
     return _TYPES.int64(row, _TYPES.int64, _TYPES.float64, _TYPES.float64), made
 
 
-def _more(_: Any, row: Any, first: Any, second: Any) -> Any:
+def _higher(_: Any, row: Any, first: Any, second: Any) -> Any:
     def made(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         one, other = (
             _samples(context, builder, signature.args[0], values[0], at) for at in values[1:]
         )
-        return _marks(builder, builder.fcmp_ordered(">", one, other))
+        return _mask(builder, builder.fcmp_ordered(">", one, other))
 
     return _TYPES.int64(row, _TYPES.int64, _TYPES.int64), made
 
@@ -92,30 +92,30 @@ def _end(sign: str) -> Any:
     return intrinsic(compiled)
 
 
-def _lowest_bit(_: Any, marks: Any) -> Any:
+def _lowest_bit(_: Any, mask: Any) -> Any:
     def made(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         return builder.cttz(values[0], _IR.IntType(1)(1))
 
     return _TYPES.int64(_TYPES.int64), made
 
 
-def _highest_bit(_: Any, marks: Any) -> Any:
+def _highest_bit(_: Any, mask: Any) -> Any:
     def made(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         return builder.sub(_WHOLE(63), builder.ctlz(values[0], _IR.IntType(1)(1)))
 
     return _TYPES.int64(_TYPES.int64), made
 
 
-# marks of a row's samples from a column on: those above a height, at least as high, below it; those
+# masks of a row's samples from a column on: those above a height, at least as high, below it; those
 # further from a middle than a reach; those higher than as many from another column on
 above = cast(Callable[[Array, int, float], int], _against(">"))
 at_least = cast(Callable[[Array, int, float], int], _against(">="))
 below = cast(Callable[[Array, int, float], int], _against("<"))
 outside = cast(Callable[[Array, int, float, float], int], intrinsic(_outside))
-more = cast(Callable[[Array, int, int], int], intrinsic(_more))
+higher = cast(Callable[[Array, int, int], int], intrinsic(_higher))
 # the highest and the lowest of a block's samples
 highest = cast(Callable[[Array, int], float], _end(">"))
 lowest = cast(Callable[[Array, int], float], _end("<"))
-# the first and the last sample that is marked; there is one
+# the first and the last sample of a mask that is not 0
 first_of = cast(Callable[[int], int], intrinsic(_lowest_bit))
 last_of = cast(Callable[[int], int], intrinsic(_highest_bit))

@@ -7,19 +7,19 @@ pytest.importorskip("numba")
 
 from numba import njit
 
-from zoh.batch.compiled import marks
+from zoh.batch.compiled import masks
 from zoh.batch.compiled.room import BLOCK, PAST
 
 
 @njit
 def _asked(row, height, out):
-    out[0] = marks.above(row, PAST, height)
-    out[1] = marks.below(row, PAST + 1, height)
-    out[2] = marks.at_least(row, PAST, row[PAST + 7])
-    out[3] = marks.outside(row, PAST, height, 0.25)
-    out[4] = marks.more(row, PAST, PAST - 1)
-    out[5], out[6] = marks.first_of(out[0]), marks.last_of(out[0])
-    return marks.highest(row, PAST), marks.lowest(row, PAST)
+    out[0] = masks.above(row, PAST, height)
+    out[1] = masks.below(row, PAST + 1, height)
+    out[2] = masks.at_least(row, PAST, row[PAST + 7])
+    out[3] = masks.outside(row, PAST, height, 0.25)
+    out[4] = masks.higher(row, PAST, PAST - 1)
+    out[5], out[6] = masks.first_of(out[0]), masks.last_of(out[0])
+    return masks.highest(row, PAST), masks.lowest(row, PAST)
 
 
 def test_every_sample_of_a_block_is_marked_by_itself():
