@@ -45,13 +45,12 @@ def long_stride(
     w: int, count: int, n: int, level: int, sign: float, full: float, k: float, size: int
 ) -> bool:
     """Look at a block at a stride of 2^level; return whether a crest between is not known."""
-    m, t = work.motion(w), work.track(w)
-    block, zs, seen = t.block, t.states, t.seen
+    t = work.track(w)
+    ys, us, seen = t.block[Y], t.block[U], t.seen
     if size == 5:  # of the usual size the compiler knows every place beforehand
         signals(w, sign, 5)
     else:
         signals(w, sign, size)
-    ys, us = block[Y], block[U]
     stride, found, unknown = 1.0 * (1 << level), met(ys, us, seen, full), False
     if not found:
         note(ys, us, seen, full, k, stride)
@@ -64,44 +63,84 @@ def long_stride(
         noted, here = i, k + (i - PAST) * stride
         before = here - stride if i > PAST else past
         start = before - stride if i > PAST + 1 else past if i > PAST else past_it
-        y, y1, y2 = ys[i], ys[i - 1], ys[i - 2]
-        u, u1, u2 = us[i], us[i - 1], us[i - 2]
-        if seen[TOP] < 0.1 * full <= y:
-            seen[K_10] = reached(w, i, 0.1 * full, level, sign, before, here, size)
-        if seen[TOP] < 0.9 * full <= y:
-            seen[K_90] = reached(w, i, 0.9 * full, level, sign, before, here, size)
-        side = 1.0 if y1 > full else -1.0
-        off1, off2 = side * (y1 - full), side * (y2 - full)
-        if off1 > BAND * full >= abs(y - full):
-            take(block, i - 1, size, zs[FOUND])
-            seen[K_OUT] = last(w, m.output, side * sign, (BAND + side) * full, level, before, here,
-                               size)  # fmt: skip
-        if y1 >= y2 and y1 > y and y1 > seen[TOP] - BELOW * full:
-            top = seen[TOP]
-            take(block, i - 2, size, zs[FOUND])
-            lost = crest_of_y(w, count, n, level, sign, start, here, size)
-            unknown = unknown or lost
-            if top < 0.1 * full <= seen[TOP]:  # for less than a stride, the first time
-                seen[K_10] = reached(w, i - 1, 0.1 * full, level + 1, sign, start, seen[K_TOP],
-                                     size)  # fmt: skip
-            if top < 0.9 * full <= seen[TOP]:
-                seen[K_90] = reached(w, i - 1, 0.9 * full, level + 1, sign, start, seen[K_TOP],
-                                     size)  # fmt: skip
-        if off1 >= off2 and off1 > side * (y - full) and off1 > CREST * BAND * full:
-            take(block, i - 2, size, zs[FOUND])
-            crest_of_band(w, level, sign, full, side, start, here, size)
-        near = BELOW * abs(u1)
-        if u1 >= u2 and u1 > u and u1 > seen[MOST_U] - near:
-            take(block, i - 2, size, zs[FOUND])
-            most = crest_of_u(w, level, 1.0, start, here, size)
-            seen[MOST_U] = max(seen[MOST_U], most)
-        elif u1 <= u2 and u1 < u and u1 < seen[LEAST_U] + near:
-            take(block, i - 2, size, zs[FOUND])
-            least = crest_of_u(w, level, -1.0, start, here, size)
-            seen[LEAST_U] = min(seen[LEAST_U], least)
+        risen(w, i, seen[TOP], ys[i], level, sign, full, before, here, size)
+        settled(w, i, level, sign, full, before, here, size)
+        lost = output_turns(w, count, n, i, level, sign, full, start, here, size)
+        unknown = unknown or lost
+        effort_turns(w, i, level, start, here, size)
     passed_by(ys, us, seen, full, k, stride, noted, PAST + BLOCK)
     seen[K1], seen[K2] = k + (BLOCK - 1) * stride, k + (BLOCK - 2) * stride
     return unknown
+
+
+@compiled
+def risen(
+    w: int, i: int, top: float, y: float, level: int, sign: float, full: float, before: float,
+    here: float, size: int,
+) -> None:  # fmt: skip
+    """Note where 10 % and 90 % are reached first, if they are above ``top`` and not above y.
+
+    top  the highest sample before;  before, here  the samples between which that is
+    """
+    seen = work.track(w).seen
+    if top < 0.1 * full <= y:
+        seen[K_10] = reached(w, i, 0.1 * full, level, sign, before, here, size)
+    if top < 0.9 * full <= y:
+        seen[K_90] = reached(w, i, 0.9 * full, level, sign, before, here, size)
+
+
+@compiled
+def settled(
+    w: int, i: int, level: int, sign: float, full: float, before: float, here: float, size: int
+) -> None:  # fmt: skip
+    """Note the last sample outside the band, if that is between column i and the one before."""
+    t = work.track(w)
+    y, y1 = t.block[Y, i], t.block[Y, i - 1]
+    side = 1.0 if y1 > full else -1.0
+    if side * (y1 - full) > BAND * full >= abs(y - full):
+        take(t.block, i - 1, size, t.states[FOUND])
+        t.seen[K_OUT] = last(w, work.motion(w).output, side * sign, (BAND + side) * full, level,
+                             before, here, size)  # fmt: skip
+
+
+@compiled
+def output_turns(
+    w: int, count: int, n: int, i: int, level: int, sign: float, full: float, start: float,
+    here: float, size: int,
+) -> bool:  # fmt: skip
+    """Close in on what y does about the column before i; return whether its crest is not known."""
+    t = work.track(w)
+    block, found, seen, unknown = t.block, t.states[FOUND], t.seen, False
+    y, y1, y2 = block[Y, i], block[Y, i - 1], block[Y, i - 2]
+    if y1 >= y2 and y1 > y and y1 > seen[TOP] - BELOW * full:
+        top = seen[TOP]
+        take(block, i - 2, size, found)
+        unknown = crest_of_y(w, count, n, level, sign, start, here, size)
+        # for less than a stride, the first time
+        risen(w, i - 1, top, seen[TOP], level + 1, sign, full, start, seen[K_TOP], size)
+    side = 1.0 if y1 > full else -1.0
+    off, off1, off2 = side * (y - full), side * (y1 - full), side * (y2 - full)
+    if off1 >= off2 and off1 > off and off1 > CREST * BAND * full:
+        take(block, i - 2, size, found)
+        crest_of_band(w, level, sign, full, side, start, here, size)
+    return unknown
+
+
+@compiled
+def effort_turns(w: int, i: int, level: int, start: float, here: float, size: int) -> None:
+    """Close in on a crest, or in a valley, of the effort about the column before i."""
+    t = work.track(w)
+    block, found, seen = t.block, t.states[FOUND], t.seen
+    u, u1, u2 = block[U, i], block[U, i - 1], block[U, i - 2]
+    near = BELOW * abs(u1)
+    if u1 >= u2 and u1 > u and u1 > seen[MOST_U] - near:
+        take(block, i - 2, size, found)
+        most = crest_of_u(w, level, 1.0, start, here, size)
+        seen[MOST_U] = max(seen[MOST_U], most)
+    elif u1 <= u2 and u1 < u and u1 < seen[LEAST_U] + near:
+        take(block, i - 2, size, found)
+        least = crest_of_u(w, level, -1.0, start, here, size)
+        seen[LEAST_U] = min(seen[LEAST_U], least)
 
 
 @compiled
