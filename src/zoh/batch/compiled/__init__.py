@@ -1,1 +1,1 @@
-"""The arithmetic of ``zoh.batch.arrays`` for one loop at a time, compiled by numba."""
+"""The arithmetic of ``zoh.batch.arrays`` for one loop, and for several side by side, compiled."""

@@ -1,1 +1,1 @@
-"""Loops side by side, a lane a loop: the same is done to all, so that none waits for itself."""
+"""Loops around plants of order 2 side by side, a lane a loop: each operation is done to all."""

@@ -30,7 +30,8 @@ from zoh.batch.compiled.plant import EULER, NOTHING, RECIPROCAL
 from zoh.batch.tolerances import EULERS, SERIES, SLOW, SMALL
 
 _HALVINGS = 6  # of the unit at most: |A| dt up to 32
-# rows of the room: a state's or an input's next powers, its weight, how large it is, and the sum
+# rows of the room: two of Markov's parameters, one after the other, then two rows of the powers of
+# A; a term's weight; how large it is, the sum at z = -1, and 1.0 where that sum is short enough
 _H, _H_NEXT, _P0, _P1, _Q0, _Q1, _WEIGHT, _SIZE, _NYQUIST, _LIVE = range(10)
 
 
@@ -81,7 +82,7 @@ def scaled(w: int) -> None:
 
 @compiled
 def at_nyquist(w: int) -> None:
-    """Write the gain at z = -1, the sum of E_k(0)/k! and Markov's parameters."""
+    """Write the gain at z = -1: the sum of E_k(0)/k! times each of Markov's parameters."""
     p, s = work.abreast(w).plant, work.abreast(w).room
     for k in range(1, EULERS + 1):
         far, factor, always, shrinks = 0, EULER[k], int(k <= 4), int(k > 2)
@@ -115,9 +116,9 @@ def exponential(w: int) -> None:
     for m in range(1, SERIES + 1):
         far, place = 0, float(m)
         for i in range(LOOPS):
-            more = place <= p[TERMS, i]
+            on = int(place <= p[TERMS, i])
             weight = s[_WEIGHT, i] * RECIPROCAL[m]
-            weight = weight if more else 0.0
+            weight = weight if on else 0.0
             h, after, p0, p1, q0, q1 = (
                 s[_H, i], s[_H_NEXT, i], s[_P0, i], s[_P1, i], s[_Q0, i], s[_Q1, i]
             )  # fmt: skip
@@ -130,7 +131,7 @@ def exponential(w: int) -> None:
             a0, a1 = p[A0, i], p[A1, i]
             s[_WEIGHT, i], s[_H, i], s[_H_NEXT, i] = weight, after, -a1 * after - a0 * h
             s[_P0, i], s[_P1, i], s[_Q0, i], s[_Q1, i] = q0, q1, -q1 * a0, q0 - q1 * a1
-            far |= int(more)
+            far |= on
         if far == 0:
             break
 
