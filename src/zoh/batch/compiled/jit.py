@@ -15,7 +15,11 @@ Function = TypeVar("Function", bound=Callable[..., object])
 
 
 def compiled(function: Function) -> Function:
-    """Return the function, compiled into each place that calls it: no arrays are passed."""
+    """Return the function, compiled into each place that calls it: no arrays are passed.
+
+    It is compiled by itself first, all the same. What it does to two numbers alike may be a vector
+    of the two by then (SLP), and a loop over lanes that calls it stays as it is.
+    """
     made = njit(error_model="numpy", fastmath={"contract"}, forceinline=True)(function)
     return cast(Function, made)
 

@@ -1,7 +1,7 @@
-"""Where the gain of loops side by side is 1, and where they turn by -180 deg.
+"""Where loops side by side have a gain of 1, turn by -180 deg, and |T| has fallen by 3 dB.
 
-The usual loop has one of each, and Descartes' rule says so: what has more goes to
-``zoh.batch.compiled.margins``, one at a time.
+The usual loop has the first once, the others once or never, and Descartes' rule says so: what has
+more goes to ``zoh.batch.compiled.margins``, one at a time.
 """
 
 from math import inf, nan, pi, sqrt
@@ -31,8 +31,7 @@ def frequency(plant: Array, i: int, v: float) -> float:
 def polished(w: int, n: int, row: int) -> None:
     """Move each v of a row by Newton's method: _V to where log |L| is 0, _V_180 to where L is real.
 
-    No step is a function of its own: that is compiled first, num beside den as a vector of two,
-    and nothing is left to be done in lanes.
+    No step is a function of its own: it would have num beside den as a vector, see ``jit``.
     """
     r = work.abreast(w)
     num, den, found, rest = r.num, r.den, r.found, r.rest

@@ -48,7 +48,7 @@ def put(
     w: int, lane: int, i: int, num: Array, den: Array, count: int, dt: float, wc: float,
     pm_deg: float,
 ) -> None:  # fmt: skip
-    """Put loop i of so many in a lane."""
+    """Put loop i of so many in a lane; num, den: rows of ascending powers of s, a column a loop."""
     r = work.abreast(w)
     p = r.plant
     r.loop[lane] = i

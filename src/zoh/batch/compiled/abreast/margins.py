@@ -1,4 +1,4 @@
-"""All margins of loops side by side, and what becomes of the loops; see ``compiled.margins``."""
+"""All margins of loops side by side; see ``zoh.batch.compiled.margins``."""
 
 from math import degrees, inf, nan, radians, sqrt
 
