@@ -333,17 +333,17 @@ def test_margins_that_do_not_exist_are_not_doubted(monkeypatch):
 #   in z: half a unit of b over b, and of a over 1 - a
 def test_how_near_to_one_an_end_is_in_doubt():
     in_s = Loop.of(Plant(num=[0.1 + 0.2], den=[1, 0.3]))
-    assert rounding._at_an_end(in_s, 0.0) == 2.0**-51
-    assert rounding._at_an_end(Loop.of(Plant(num=[0.3], den=[1, 0.3])), 0.0) == -1.0
+    assert rounding._in_doubt(in_s, 0.0) == 2.0**-51
+    assert rounding._in_doubt(Loop.of(Plant(num=[0.3], den=[1, 0.3])), 0.0) == -1.0
     both = Loop.of(Plant(num=[1, 0.1 + 0.2], den=[1, 0.3]))  # 1 at infinity, and not at rest
-    assert (rounding._at_an_end(both, 0.0), rounding._at_an_end(both, inf)) == (2.0**-51, -1.0)
+    assert (rounding._in_doubt(both, 0.0), rounding._in_doubt(both, inf)) == (2.0**-51, -1.0)
     in_z = Loop.of(Sampled(num=[-0.1], den=[1, -0.9], dt=1.0))
     wanted = HALF_A_UNIT * (1 + mpf(0.9) / (1 - mpf(0.9)))
-    assert rounding._at_an_end(in_z, 0.0) == near(wanted)
+    assert rounding._in_doubt(in_z, 0.0) == near(wanted)
     exact = Loop.of(Sampled(num=[-0.5], den=[1, -0.5], dt=1.0))
-    assert rounding._at_an_end(exact, 0.0) == -1.0
+    assert rounding._in_doubt(exact, 0.0) == -1.0
     nothing = Loop.of(Sampled(num=[0.1, -0.1], den=[1, -0.5], dt=1.0))  # 0, or its last bit
-    assert rounding._at_an_end(nothing, 0.0) == -1.0
+    assert rounding._in_doubt(nothing, 0.0) == -1.0
 
 
 def test_the_sentence_of_each_kind():
@@ -368,10 +368,10 @@ def test_an_end_as_near_to_one_as_its_doubt_is_doubted(monkeypatch):
     loop = Loop.of(Sampled(num=[-0.75], den=[1, -0.5], dt=1.0))  # L(1) = -1.5
     found = measure_loop(loop)
     for doubt, said in ((0.5, 1), (0.499, 0)):
-        monkeypatch.setattr(rounding, "_at_an_end", lambda *_, doubt=doubt: doubt)
+        monkeypatch.setattr(rounding, "_in_doubt", lambda *_, doubt=doubt: doubt)
         assert len(rounding.doubts(loop, found)) == said
     positive = Loop.of(Sampled(num=[0.75], den=[1, -0.5], dt=1.0))  # 1.5: near 1 it costs nothing
-    monkeypatch.setattr(rounding, "_at_an_end", lambda _, v: -1.0 if v else 1.0)
+    monkeypatch.setattr(rounding, "_in_doubt", lambda _, v: -1.0 if v else 1.0)
     assert rounding.doubts(positive, measure_loop(positive)) == ()
 
 

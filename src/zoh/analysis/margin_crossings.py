@@ -1,10 +1,12 @@
 """Where a loop crosses: |L| = 1 with its phase margin, L < 0 with the factor onto -1.
 
-What was found along the axis is given; the ends of the axis are looked at here. A loop is real
-at both, whatever it is, and a hold's rounding may put |L| on either side of 1 there.
+What was found along the axis is given; the ends of the axis, and where L touches instead of
+passing, are looked at here. A loop is real at both ends, whatever it is, and a hold's rounding may
+put |L| on either side of 1 there.
 """
 
 from cmath import exp, phase
+from collections.abc import Sequence
 from math import degrees, frexp, inf
 
 from zoh.analysis.axis import terms
@@ -12,9 +14,9 @@ from zoh.analysis.loop import Loop
 from zoh.analysis.series import wholes
 from zoh.analysis.sharp import EXACT, ROUNDED, as_v, closed_in, is_nothing
 from zoh.analysis.squares import Squares, size
-from zoh.lti import poly
+from zoh.lti import poly, signs
 from zoh.lti.systems import Plant, Sampled
-from zoh.lti.whole import Point
+from zoh.lti.whole import Point, Whole
 
 _TOUCHES = 4e-15  # |L| this near to 1 at an end of what a hold made is 1: a few roundings, and
 _BLUR = 1e-6  # the crossing they make up this near to it (|L| is flat there) is none
@@ -40,13 +42,14 @@ def margin_deg(gain: complex) -> float:
 def gain_crossings(
     loop: Loop, squares: Squares, unities: list[float], by_phase: Crossings, beside: list[float]
 ) -> Crossings:
-    """Return (frequency, phase margin in deg) wherever |L| passes through 1.
+    """Return (frequency, phase margin in deg) wherever |L| passes through 1 or touches it.
 
     v of those beside a root of num or den is added to ``beside``.
     """
     if not any(squares.gain):  # |L| is 1 everywhere: what counts is where L is -1
         return [(w, 0.0) for w, _ in by_phase]
-    crossings = [_at_unity(loop, squares, v, beside) for v in unities]
+    places = [*unities, *touches(loop, squares.gain, unities)]
+    crossings = [_at_unity(loop, squares, v, beside) for v in places]
     for v, top, bottom in loop.ends():
         if not bottom or abs(abs(top / bottom) - 1) > _TOUCHES:
             continue
@@ -69,9 +72,22 @@ def phase_crossings(
     """
     if not loop.dead_time and not any(squares.turn):
         return _always_real(loop, squares, unities, beside)
-    crossings = [found for v in turns if (found := _at_turn(loop, squares, v, beside))]
+    places = [*turns, *touches(loop, squares.turn, turns)] if squares.whole else turns
+    crossings = [found for v in places if (found := _at_turn(loop, squares, v, beside))]
     every = crossings + _at_the_ends(loop)
     return sorted([c for c in every if 0 < c[1] < inf])  # what a float holds
+
+
+def touches(loop: Loop, a: Whole, passed: Sequence[float]) -> list[float]:
+    """Return every v at which a polynomial in q = v^2 is 0 and keeps its sign.
+
+    Only of a loop all of whose coefficients are exact: what a hold has rounded says of no two
+    roots that they are one. Descartes' rule, with the roots where it passes, says mostly that
+    there are none.
+    """
+    if any(len(s.den_w) > 1 for s in loop.made) or signs.variations(a) < len(passed) + 2:
+        return []
+    return [as_v(q) for q in signs.even_roots(a)]
 
 
 def _at_unity(loop: Loop, squares: Squares, v: float, beside: list[float]) -> tuple[float, float]:

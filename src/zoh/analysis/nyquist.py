@@ -15,7 +15,7 @@ from itertools import pairwise
 from math import atan, copysign, inf, nan, pi, remainder, tau
 
 from zoh.analysis.loop import Loop
-from zoh.analysis.margin_crossings import gain_crossings
+from zoh.analysis.margin_crossings import gain_crossings, touches
 from zoh.analysis.margins import glance, nearest, within_floats
 from zoh.analysis.proof import counted
 from zoh.analysis.sharp import as_v
@@ -72,7 +72,8 @@ def none_encircled(loop: Loop) -> bool | None:
     if (loop.dt is None and loop.num[0]) or not any(squares.gain):
         return None  # it turns for ever, or is nowhere on one side of 1
     angles = [_angle(loop, v) for v in passed]
-    if _at_an_end(loop) or any(pi - abs(angle) < _AT_THE_LIMIT for angle in angles):
+    touched = [_angle(loop, v) for v in touches(loop, squares.gain, passed)]
+    if _at_an_end(loop) or any(pi - abs(x) < _AT_THE_LIMIT for x in (*angles, *touched)):
         return False
     loud = next(c for c in reversed(squares.gain) if c) > 0
     turned = 0.0

@@ -13,7 +13,9 @@ from math import degrees, hypot, inf, radians, tau
 
 from zoh.analysis.loop import Loop
 from zoh.analysis.results import Margins
-from zoh.lti import poly
+from zoh.analysis.sharp import as_v
+from zoh.analysis.squares import Squares
+from zoh.lti import poly, signs, whole
 from zoh.lti.poly import Poly
 from zoh.lti.wplane import warp
 
@@ -24,7 +26,8 @@ _SHORT = 2.0**32  # a coefficient of no more bits than that is meant as it stand
 _ANY = 1e4  # beyond it a bound says nothing
 _SLOW = 1e-7  # of Nyquist's frequency: nothing below it is asked for
 _GRID = 60  # points on which stability is asked for
-_FEW_BITS = 4 * _HALF_A_UNIT  # of |L| at an end in s: half a unit of num and of den, and as much
+_ONE_PLACE = 1e-15  # relative; a root of two polynomials, each to 2^-71, as a float
+_FEW_BITS = 4 * _HALF_A_UNIT  # of |L| in s: half a unit of num and of den, and as much
 
 _WAYS_OUT = {
     "z-coefficients": "build the loop from its parameters (zoh.sample, Sampled.from_w) or sample "
@@ -39,13 +42,15 @@ def doubts(loop: Loop, m: Margins) -> tuple[str, ...]:
     Only z-coefficients that were given as such are doubted; those that zoh made from a plant
     stand beside their w-form, which is what is measured. In s and in z alike a crossing is
     doubted that the last bits make at an end of the axis, where L is near -1; near 1 it costs
-    nothing, as in 0.1/(z - 0.9).
+    nothing, as in 0.1/(z - 0.9). So is one where |L| is greatest or least, and all but touches 1.
     """
-    found = [
-        f"|L| may pass through 1 beside {loop.frequency(v):.6g} rad/s or not"
+    places = [
+        v
         for v, top, bottom in loop.ends()
-        if top * bottom < 0 and abs(abs(top / bottom) - 1) <= _at_an_end(loop, v)
+        if top * bottom < 0 and abs(abs(top / bottom) - 1) <= _in_doubt(loop, v)
     ]
+    places += _all_but_touched(loop) if loop.given else []
+    found = [f"|L| may pass through 1 beside {loop.frequency(v):.6g} rad/s or not" for v in places]
     found += _of_z(loop, m) if loop.rounded else []
     if not found:
         return ()
@@ -53,15 +58,34 @@ def doubts(loop: Loop, m: Margins) -> tuple[str, ...]:
     return (f"by the rounding of the given {kind} alone {', '.join(found)}: {_WAYS_OUT[kind]}",)
 
 
-def _at_an_end(loop: Loop, v: float) -> float:
-    """Return how near to 1 |L| is in doubt at w = 0 or at the highest frequency; below 0: never.
+def _in_doubt(loop: Loop, v: float) -> float:
+    """Return how near to 1 |L| is in doubt where its slope is 0; below 0: never.
 
     What is 1 exactly is meant to be in s, where no more is known than the coefficients.
     """
     if loop.rounded:
         part = sum(_parts(loop, v))
         return part if 0 < part < inf else -1.0
-    return _FEW_BITS if loop.given and not loop.is_one_at(v) else -1.0
+    at_an_end = v in (0.0, inf)
+    return -1.0 if not loop.given or (at_an_end and loop.is_one_at(v)) else _FEW_BITS
+
+
+def _all_but_touched(loop: Loop) -> list[float]:
+    """Return every v at which |L| is greatest or least, and all but 1, of given coefficients."""
+    squares = Squares.of(loop, most=0)
+    if signs.variations(squares.gain) < 2:
+        return []
+    top, bottom = squares.top, squares.bottom
+    rising = whole.times(whole.derivative(top), bottom)
+    slope = whole.plus(rising, whole.times(top, whole.derivative(bottom)), -1)
+    touched = [as_v(q) for q in signs.even_roots(squares.gain)]
+    extremes = [as_v(q) for q in signs.odd_roots(slope)]
+    return [
+        v
+        for v in extremes
+        if abs(squares.over_bottom(squares.gain, v)) / 2 <= _in_doubt(loop, v)
+        and not any(abs(v - place) <= _ONE_PLACE * v for place in touched)
+    ]
 
 
 def _of_z(loop: Loop, m: Margins) -> list[str]:

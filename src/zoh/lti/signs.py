@@ -10,7 +10,7 @@ from math import frexp, inf, ldexp
 from operator import ne
 
 from zoh.lti import divisors
-from zoh.lti.whole import Point, Whole, at_fraction, divided, shifted, trim
+from zoh.lti.whole import Point, Whole, at_fraction, derivative, divided, shifted, trim
 
 _BITS = 72  # of a root: a float has 53
 _DEEP = 64  # halvings of what holds all roots; those that are closer are asked whether they are one
@@ -59,6 +59,17 @@ def odd_roots(a: Whole) -> list[Point]:
     return sorted(
         [(top << up, bottom << down) for top, bottom in found], key=lambda q: Fraction(*q)
     )
+
+
+def even_roots(a: Whole) -> list[Point]:
+    """Return the positive roots at which the sign stays, to 2^-71 of themselves, ascending.
+
+    >>> even_roots((1, -4, 5, -2)), even_roots((1, -3, 3, -1))  # (x - 1)^2 (x - 2), (x - 1)^3
+    ([(4, 4)], [])
+    """
+    if divisors.share_nothing(a, derivative(a)):
+        return []
+    return odd_roots(divisors.repeated(a))  # a root is there one time less
 
 
 _Part = tuple[int, int, int, Whole]  # first, depth, times, a: ``times`` one root at first 2^-depth,
