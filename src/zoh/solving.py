@@ -45,7 +45,7 @@ class SolvedLaw:
         return SolvedLaw(controller=negated(self.controller), gains=opposite(self.gains))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(slots=True, kw_only=True)
 class Asked:
     """What a law is solved for: a plant, a crossover, the law's own parameters.
 

@@ -94,7 +94,7 @@ def _ahead(feedforward: Sampled | None, by: Excitation) -> Chain:
     return Chain.of(feedforward) if feedforward and by != "disturbance" else _NO_CHAIN
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(slots=True, kw_only=True)
 class _Places:
     """Where things stand in Z: n plant states, ``kept`` inputs, the controller's states from
     ``first`` on, the feedforward's from ``ahead`` on.

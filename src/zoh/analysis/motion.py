@@ -36,7 +36,7 @@ _FEW = 2000  # samples cost less to look at than to choose among
 _MOST = 1_000_000  # samples shown; a loop that needs more has thousands of swings
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(slots=True, kw_only=True)
 class Stretch:
     """A part of every sample interval over which the output is one Taylor series.
 
@@ -49,7 +49,7 @@ class Stretch:
     rows: Array
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(slots=True, kw_only=True)
 class Track:
     """A motion at the samples that show it.
 
@@ -64,7 +64,7 @@ class Track:
     rests: bool
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(slots=True, kw_only=True)
 class Motion:
     """A linear motion sampled every dt.
 
@@ -93,11 +93,10 @@ class Motion:
         whose, effort = "controller", self.effort
         if effort is None:
             whose, effort = "system", np.zeros(len(self.output))
-        powers = Powers(
+        self.powers = Powers(
             delta=self.delta, own=self.own, seen=np.array([self.output, effort]), whose=whose,
             wholly=self.swings,
         )  # fmt: skip
-        object.__setattr__(self, "powers", powers)
 
     def run(self, first: Array, count: int, doublings: int = 0, slowest: float = 0.0) -> Array:
         """Return ``count`` columns, Z at every 2^doublings samples from ``first`` on.

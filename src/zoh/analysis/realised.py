@@ -36,7 +36,7 @@ def realised(system: Sampled) -> tuple[list[float], list[float], float]:
     return _sums(*_wholes(system))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Chain:
     """A chain of sums in a motion, u = c x + d e.
 

@@ -107,7 +107,7 @@ def closed_loop_step(
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(slots=True, kw_only=True)
 class _Seen:
     """A waveform that settles to ``final``.
 

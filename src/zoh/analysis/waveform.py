@@ -22,7 +22,7 @@ _AT_ONCE = 1 << 16  # samples
 _CELLS = 4_000_000  # numbers bounded at once
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(slots=True, kw_only=True)
 class Waveform:
     """y along a motion, and the effort u with it.
 

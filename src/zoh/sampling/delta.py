@@ -101,7 +101,7 @@ def _in_both(n: int, scale: int, first: int, last: int) -> list[tuple[Table, lis
     ]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(slots=True, kw_only=True)
 class InDelta:
     """The fraction 2^gain num/den in powers of delta 2^scale, n + 1 coefficients each.
 
@@ -134,7 +134,7 @@ class InDelta:
         return Forms(values=found, errors=errors, bits=self.bits + self.scale * n, gain=self.gain)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(slots=True, kw_only=True)
 class Forms:
     """A fraction in z and in p, descending powers, in units of 2^-bits; num is to be times 2^gain.
 

@@ -19,7 +19,7 @@ _NO_FLOAT = 1100  # doublings within dt: a pole that grows by so much has no flo
 _FAST = 1200  # bits; what is smaller than 2^-1076 is 0 in a float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(slots=True, kw_only=True)
 class Scaled:
     """A plant with time counted in units of T = 2^-rate s and amplitude in units of 2^gain.
 
@@ -126,7 +126,7 @@ class Scaled:
         return (n + 2) * (by + 5 * n) + n * by + 10 * halvings if by else 0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(slots=True, kw_only=True)
 class FixedResponse:
     """The step response of a scaled plant, its slope a functional on the ring modulo den.
 
