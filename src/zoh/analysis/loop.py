@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from zoh.analysis.axis import scalar, with_slope
-from zoh.analysis.series import These, out_of_range, product
+from zoh.analysis.series import These, clock, out_of_range, product
 from zoh.lti import divisors, poly, whole
 from zoh.lti.poly import Poly
 from zoh.lti.systems import Plant, Sampled
@@ -188,11 +188,13 @@ class Loop:
 @lru_cache(maxsize=8)
 def _in_series(these: These) -> Loop:
     """Return ``Loop.of``."""
-    num, den, unit, dt, dead_time, factors = product(these.systems)
+    systems, dt = these.systems, clock(these.systems)
+    num, den, unit, dead_time = product(systems)
+    factors = tuple([f for s in systems for f in (s.factors if isinstance(s, Sampled) else (s,))])
     try:
         top, bottom = tuple([c / unit for c in num]), tuple([c / unit for c in den])
     except OverflowError:
-        raise out_of_range([*these.systems]) from None
+        raise out_of_range([*systems]) from None
     return Loop(num=top, den=bottom, exact=(num, den), dt=dt, dead_time=dead_time, factors=factors)
 
 

@@ -1,7 +1,6 @@
 """Systems in series: of one kind and one clock, multiplied in whole numbers, exactly."""
 
 from operator import is_
-from typing import NamedTuple
 
 from zoh.errors import SpecError
 from zoh.lti import whole
@@ -9,20 +8,6 @@ from zoh.lti.systems import Plant, Sampled
 from zoh.lti.whole import Whole
 
 System = Plant | Sampled
-
-
-class Product(NamedTuple):
-    """What systems in series are: num/den of one length, whole numbers times unit; dt, delay in s.
-
-    factors  the systems, those that products are made of each by itself
-    """
-
-    num: Whole
-    den: Whole
-    unit: int
-    dt: float | None
-    dead_time: float
-    factors: tuple[System, ...]
 
 
 class These:
@@ -44,9 +29,11 @@ class These:
         )
 
 
-def product(systems: tuple[System, ...]) -> Product:
-    """Return the product of systems, 1 of none; raise SpecError for a mixture."""
-    dt = _clock(systems)
+def product(systems: tuple[System, ...]) -> tuple[Whole, Whole, int, float]:
+    """Return the product of systems, 1 of none: (num, den, unit, delay) as of each in ``wholes``.
+
+    num and den have one length.
+    """
     num: Whole
     den: Whole
     num, den, unit, dead_time = wholes(systems[0]) if systems else ((1,), (1,), 1, 0.0)
@@ -54,34 +41,24 @@ def product(systems: tuple[System, ...]) -> Product:
         top, bottom, its_unit, wait = wholes(system)
         num, den = whole.times(num, top), whole.times(den, bottom)
         unit, dead_time = unit * its_unit, dead_time + wait
-    num = [0] * (len(den) - len(num)) + list(num)
-    factors = tuple([f for s in systems for f in _factors(s)])
-    return Product(num, den, unit, dt, dead_time, factors)
+    return [0] * (len(den) - len(num)) + list(num), den, unit, dead_time
 
 
-def _clock(systems: tuple[System, ...]) -> float | None:
+def clock(systems: tuple[System, ...]) -> float | None:
     """Return the sample time that all have, None of continuous ones; refuse a mixture."""
-    first = systems[0] if systems else None
-    dt = _dt(first)
+    times: list[float | None] = []
     for system in systems:
         if not isinstance(system, (Plant, Sampled)):
             raise SpecError("L", "must be a zoh.Plant or zoh.Sampled", system, "make one first")
-        if type(system) is not type(first) or _dt(system) != dt:
+        times.append(system.dt if isinstance(system, Sampled) else None)
+        if times[-1] != times[0]:
             raise SpecError(
                 "dt",
-                f"must be the same throughout a loop ({dt!r} first)",
-                _dt(system),
+                f"must be the same throughout a loop ({times[0]!r} first)",
+                times[-1],
                 "zoh.sample the plant with the controller's dt",
             )
-    return dt
-
-
-def _dt(system: System | None) -> float | None:
-    return system.dt if isinstance(system, Sampled) else None
-
-
-def _factors(system: System) -> tuple[System, ...]:
-    return system.factors if isinstance(system, Sampled) else (system,)
+    return times[0] if times else None
 
 
 def wholes(system: System) -> tuple[Whole, Whole, int, float]:

@@ -75,10 +75,10 @@ def sample(
         raise SpecError("plant", "must be a zoh.Plant", plant, "sample a continuous plant")
     dt = sample_time(dt)
     compute_delay = checks.not_negative("compute_delay", compute_delay, "give seconds, 0 or more")
-    if isinstance(plant, FrequencyResponse):
-        _samples(0.0, compute_delay, dt)  # refuses a delay beyond those of loops
-        return sampled_table(plant, dt, compute_delay)
-    return with_a_gain(_held(plant.exact, plant.sensor, dt, plant.dead_time, compute_delay))
+    if isinstance(plant, Plant):
+        return _held(plant.exact, plant.sensor, dt, plant.dead_time, compute_delay)
+    _samples(0.0, compute_delay, dt)  # refuses a delay beyond those of loops
+    return sampled_table(plant, dt, compute_delay)
 
 
 Held = tuple[tuple[Exact, Exact], float, float, float, float]  # num/den, sensor, dt, two delays
@@ -95,7 +95,7 @@ def _held(
     what = exact, sensor, dt, dead_time, compute_delay
     try:
         forms, m = _forms(what, SURE)
-        held = forms.rounded(dt, m, partial(_finer, what))
+        held = with_a_gain(forms.rounded(dt, m, partial(_finer, what)))
         if (apart := Apart.of(*exact)) is None:
             return held
         plain, modes = (_forms(part, SURE)[0].rounded(dt, m) for part in _parted(what, apart))
