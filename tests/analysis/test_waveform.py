@@ -48,7 +48,7 @@ def test_what_is_seen_at_the_samples(stretches):
     assert wave.states.T.tolist() == [[*map(float, c)] for c in BUMP]
     assert wave.y.tolist() == [0.0, 0.5, 0.5, 0.5, -0.5]
     assert wave.u.tolist() == [0.0, -2.5, 0.0, 0.0, 0.0]
-    assert (wave.top, wave.bottom) == (1, 4)
+    assert (wave.top, wave.bottom) == ((4 * DT, 0.5), (7 * DT, -0.5))
     assert wave.highest(1.0) == (4 * DT, 0.5)
     assert wave.highest(-1.0) == (7 * DT, 0.5)
     assert wave_of(BUMP, stretches, effort=None).u.tolist() == [0.0] * 5

@@ -18,7 +18,7 @@ _ROUNDING = 1e-13  # of the largest: a crest that stands out by less does not
 
 def leaves_out(k: Indices) -> bool:
     """Return whether samples between these are left out."""
-    return bool(k[-1] - k[0] >= len(k))
+    return int(k[-1]) - int(k[0]) >= len(k)
 
 
 def wanted(k: Indices, seen: Array, final: float, band: float) -> list[int]:

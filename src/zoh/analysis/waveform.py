@@ -29,7 +29,7 @@ class Waveform:
     track        the K samples at which the state is known;  k, states  of it
     y, u         the output and the effort there, shape (K,)
     low, high    bounds of the output over the sample interval that begins there, shape (K,)
-    top, bottom  the rows where y is largest and least
+    top, bottom  (time in s, y) where y is largest and least
     """
 
     motion: Motion
@@ -40,8 +40,8 @@ class Waveform:
     u: Array
     low: Array
     high: Array
-    top: int
-    bottom: int
+    top: tuple[float, float]
+    bottom: tuple[float, float]
 
     @classmethod
     def of(cls, motion: Motion, track: Track, final: float, band: float) -> "Waveform":
@@ -57,10 +57,12 @@ class Waveform:
                 break
             track = filled(motion, track, rows)
             seen, (low, high) = both.dot(track.states), bounds(motion, track.states)
-        y, u = seen[0], seen[1]  # an array is slow to unpack
+        k, y, u = track.k, seen[0], seen[1]  # an array is slow to unpack
+        i, j = int(y.argmax()), int(y.argmin())
         return cls(
-            motion=motion, track=track, k=track.k, states=track.states, y=y, u=u,
-            low=low, high=high, top=int(y.argmax()), bottom=int(y.argmin()),
+            motion=motion, track=track, k=k, states=track.states, y=y, u=u, low=low, high=high,
+            top=(float(k[i]) * motion.dt, float(y[i])),
+            bottom=(float(k[j]) * motion.dt, float(y[j])),
         )  # fmt: skip
 
     def closer(self, final: float, band: float) -> "Waveform":
@@ -78,13 +80,13 @@ class Waveform:
 
     def highest(self, sign: float) -> tuple[float, float]:
         """Return (time in s, sign * y) where that is largest at the samples."""
-        i = self.top if sign > 0 else self.bottom
-        return float(self.k[i]) * self.motion.dt, sign * float(self.y[i])
+        t, y = self.top if sign > 0 else self.bottom
+        return t, sign * y
 
     def highest_between(self, sign: float) -> tuple[float, float]:
         """Return (time in s, sign * y) where that is largest at all times."""
         t, value = self.highest(sign)
-        rounding = _ROUNDING * max(float(self.y[self.top]), -float(self.y[self.bottom]))
+        rounding = _ROUNDING * max(self.top[1], -self.bottom[1])
         bound = self._bound(sign)
         rows = (bound > value + rounding).nonzero()[0]
         if len(rows) > _MANY:
