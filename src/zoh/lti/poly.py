@@ -148,7 +148,8 @@ def _parabola(a: Poly) -> list[complex]:
 def _companion(a: Poly) -> list[complex]:
     n = len(a) - 1
     scale = (log2(abs(a[-1])) - log2(abs(a[0]))) / n
-    companion = np.eye(n, k=-1)
+    companion = np.zeros((n, n))
+    companion.flat[n :: n + 1] = 1.0  # below the diagonal
     companion[0] = [-_ratio(c, a[0], -i * scale) for i, c in enumerate(a) if i]
     roots: list[complex] = (np.linalg.eigvals(companion).astype(complex) * 2.0**scale).tolist()
     return roots
