@@ -16,7 +16,7 @@ from benchmarks.requests.drawn import Request
 import zoh
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import measure_loop
-from zoh.analysis.stability import closed_loop_stable
+from zoh.analysis.nyquist import closed_loop_stable
 from zoh.lti.wplane import warp
 
 MARGIN_DEG, CROSSOVER = 1e-9, 1e-9  # what a request is met to

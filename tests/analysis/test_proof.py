@@ -12,10 +12,10 @@ from zoh.analysis.certificates import Proof
 from zoh.analysis.close import Close
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import margins, measure_loop, peak
+from zoh.analysis.nyquist import closed_loop_stable
 from zoh.analysis.proof import Found, Peak, _just_below, _least, counted, proved
 from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import ON_DEN, ON_NUM, ON_OPPOSITE, Squares
-from zoh.analysis.stability import closed_loop_stable
 from zoh.lti.systems import Plant, Sampled
 from zoh.sampling.hold import sample
 
@@ -194,12 +194,14 @@ def test_a_quiet_loop_is_stable_however_often_it_turns(k, a, dead_time):
     assert closed_loop_stable(loop)
 
 
-def test_a_touch_is_no_crossing():
-    """|L| <= 1, and 1 at w = 1 alone."""
+def test_a_touch_is_no_change_of_sign_and_has_its_margin():
+    """|L| <= 1, and 1 at w = 1 alone, where L is -j: a lag of 90 deg there puts it on -1."""
     loop = Plant(num=[-0.5, 0.5, 0], den=[1, 1.5, 1.5, 1])
+    assert np.polyval([-0.5, 0.5, 0], 1j) / np.polyval([1, 1.5, 1.5, 1], 1j) == -1j
     found = margins(loop)
-    assert found.gain_crossings == ()
+    assert found.gain_crossings == ((1.0, pytest.approx(90.0, rel=1e-15)),)
     assert found.certificate.gain_crossings.holds
+    assert "0 sign changes on the axis, 0 found" in found.certificate.gain_crossings.detail
 
 
 def test_many_samples_late_agrees_with_routh():

@@ -130,7 +130,7 @@ def _looked_at(loop: Loop, stable: tuple[bool | None, Proof], near: list[float])
     v of what may be beside a mode with next to no damping is added to ``near``.
     """
     squares = Squares.of(loop)
-    look = Sparse.of(loop, squares) if squares.whole else None
+    look = Sparse.of(loop, squares)
     found = _measured(loop, squares, look, stable, near) if look else None
     if found is not None and _holds(found):
         return found

@@ -10,6 +10,7 @@ frequency axis is Mikhailov's.
 
 from cmath import phase
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 from itertools import pairwise
 from math import atan, copysign, inf, nan, pi, remainder, tau
@@ -92,9 +93,12 @@ def none_encircled(loop: Loop) -> bool | None:
 
 @lru_cache(maxsize=8)
 def _passed(loop: Loop) -> tuple[Squares, Sequence[float]]:
-    """Return the squares of a loop without its delay, and every v where |L| passes through 1."""
+    """Return the squares of a loop without its delay, and every v where |L| passes through 1.
+
+    Of |L| these are the whole, whatever the delay.
+    """
     squares = Squares.of(loop, most=0)
-    look = Sparse.of(loop, squares)
+    look = Sparse.of(loop, replace(squares, whole=True))
     found = look.unities() if look else []
     if not counted(squares.gain, found).holds:
         found = [as_v(q) for q in signs.odd_roots(squares.gain)]

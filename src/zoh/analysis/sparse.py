@@ -55,10 +55,9 @@ class Sparse:
 
     @classmethod
     def of(cls, loop: Loop, s: Squares) -> "Sparse | None":
-        """Return the look, None where floats do not hold the polynomials.
-
-        Where a delay is not in them only ``unities`` tells.
-        """
+        """Return the look, None where polynomials do not tell or floats do not hold them."""
+        if not s.whole:
+            return None
         exact: Sequence[Whole] = (s.bottom, s.top, s.opposite, s.closed, s.gain, s.turn, s.drop)
         found = corners((s.bottom, s.closed, s.gain, s.turn, s.drop))
         low, high = floor(min(found, default=0.0)), ceil(max(found, default=0.0))
