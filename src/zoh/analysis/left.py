@@ -10,22 +10,26 @@ in the place of c. Source: R. A. Horn and C. R. Johnson, Matrix Analysis, 2nd ed
 """
 
 from math import inf
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from zoh.analysis.loop import Array
-from zoh.analysis.motion import Motion
 from zoh.analysis.pieces import bernstein
+
+if TYPE_CHECKING:  # a motion asks this of itself
+    from zoh.analysis.motion import Motion
 
 _SKEWED = 1e8  # of the eigenvectors' condition: beyond, modes are not told from their neighbours
 
 
-def farthest(motion: Motion, state: Array) -> float:
+def farthest(motion: "Motion", state: Array) -> float:
     """Return a bound on |y - its rest| at all times from this state on; inf where none is known.
 
     None is where a mode does not decay or is not told from its neighbour, where what drives the
     motion still moves, and of a queue, whose state is not all there.
 
+    >>> from zoh.analysis.motion import Motion
     >>> delta, start = np.array([[-0.5, 0.5], [0.0, 0.0]]), np.array([0.0, 1.0])
     >>> lag = Motion(dt=1.0, delta=delta, start=start, own=1, output=np.array([1.0, 0.0]),
     ...              effort=None, stretches=())

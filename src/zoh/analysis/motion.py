@@ -11,13 +11,14 @@ carried in Z is a queue beside it (see ``queue``).
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import atan2, ceil, hypot, inf, log, log1p
+from math import atan2, ceil, cos, hypot, inf, log, log1p, sqrt, tau
 from operator import itemgetter
 from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
+from zoh.analysis.left import farthest
 from zoh.analysis.loop import Array
 from zoh.analysis.powers import Powers
 
@@ -34,6 +35,8 @@ NEAR = 0.9  # of the band: what creeps on from there has settled
 STILL = 1e-4  # of the slowest mode is little enough to speak of rest
 _FEW = 2000  # samples cost less to look at than to choose among
 _MOST = 1_000_000  # samples shown; a loop that needs more has thousands of swings
+_HALF_A_TURN = 3.0  # rad; a pair that turns by more in a sample shows no crest
+_MANY = 20_000  # samples shown are dear: before, it is asked whether a metric is among them
 
 
 @dataclass(slots=True, kw_only=True)
@@ -122,10 +125,11 @@ class Motion:
 
         Every sample while fast modes live, then as few as show the slow ones; none of one that
         is left alone, does not swing and has y well within its band: that goes from where it is
-        to its rest, and no metric is there. A mode too slow for its eigenvalue to have a sign is
-        followed as far as floats count. Raises SpecError where the motion, which comes to rest,
-        outgrows floats: many poles close together, their coefficients in one fraction, swing each
-        other up in the rounding.
+        to its rest, and no metric is there. Nor is one in the many swings of a pair left alone
+        that keeps y well within its band and whose crests have been higher. A mode too slow for
+        its eigenvalue to have a sign is followed as far as floats count. Raises SpecError where
+        the motion, which comes to rest, outgrows floats: many poles close together, their
+        coefficients in one fraction, swing each other up in the rounding.
         """
         try:
             with np.errstate(over="raise", invalid="raise"):
@@ -141,11 +145,15 @@ class Motion:
         rates = self.rates()
         slowest = max(min(rates, default=(inf, inf))[0], _SLOWEST)
         end = max(8, ceil(-log(QUIET) / slowest) + 4 * len(self.delta))
-        ks, zs, k, z, shown, left = [], [], 0, self.start, 0, False
+        ks, zs, k, z, shown, left, passed = [], [], 0, self.start, 0, False, end
         while k <= end and shown < _MOST:
             alone, doublings, until = _pace(rates, k, end)
             stride = 1 << doublings
             left = alone and abs(float(self.output.dot(z)) - final) < NEAR * BAND * abs(final)
+            if (until - k) >> doublings > _MANY and not left:
+                passed = min(passed, k + _crests(rates, k, end))
+                left = k >= passed and farthest(self, z) < NEAR * BAND * abs(final)
+                until = until if k >= passed else min(until, passed)
             if left:
                 k += stride * (-(-(end - k) // stride) + 1)
                 break
@@ -200,3 +208,20 @@ def _pace(rates: list[tuple[float, float]], k: int, end: int) -> tuple[bool, int
     over = [_GONE / decay for decay, turn in alive if decay > 0 and turn > _TURN / (4 << doublings)]
     until = min(end, max(k + 1, ceil(min(max(over, default=end), end))))
     return alone, doublings, until
+
+
+def _crests(rates: list[tuple[float, float]], k: int, end: int) -> int:
+    """Return the samples after which the crests of a pair that is alone from k on only get lower.
+
+    An output, at the samples or a part of one after each, is its rest and A r^k cos(x k + p). In
+    each turn some sample is half a step or less from the crest, at least cos(x/2) of it; what r^k
+    makes less than that is less than what was seen. ``end`` where no pair is alone.
+    """
+    alive = [rate for rate in rates if rate[0] * k <= _GONE]
+    if len(alive) != 2 or alive[0] != alive[1]:
+        return end
+    decay, size = alive[0]
+    step = sqrt(max(size * size - decay * decay, 0.0))
+    if decay <= 0 or not 0 < step < _HALF_A_TURN:
+        return end
+    return ceil(min(end, 1 + tau / step - log(cos(step / 2)) / decay))
