@@ -140,6 +140,13 @@ class NotMet(ZohError):
         self.way_out = way_out
         super().__init__("not met: " + "; ".join([*misses, *([way_out] if way_out else [])]))
 
+    def advising(self, more: str) -> "NotMet":
+        """Return the same with one more way out, itself where that is empty."""
+        if not more:
+            return self
+        ways = [self.way_out, more] if self.way_out else [more]
+        return NotMet(self.misses, self.measured, "; ".join(ways))
+
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.misses, self.measured, self.way_out)
 

@@ -32,6 +32,7 @@ from zoh.request import (
     left_open,
 )
 from zoh.sampling.hold import sample
+from zoh.sampling.pathological import hidden_by_hold
 from zoh.solving import opposite, solved
 from zoh.spec import Crossover, Requirements
 from zoh.table_design import check_for_a_table, design_on_table
@@ -96,12 +97,22 @@ def design(
         reference=reference, law=law, name=name, weights=weights,
         allowed=(*cancelled, *sorted(words - {CANCELLED_UNSTABLE_MODES})),
     )  # fmt: skip
-    if law == "p" and len(parameters) == 1:
-        return by_one(bench, parameters, words)
-    if missing:
+    if missing and not _is_alone(law, parameters):
         check_choosable(law, missing[0])
-        return _chosen(bench, parameters, words, sections, progress)
-    return _solved(bench, parameters, words, progress)
+    try:
+        if _is_alone(law, parameters):
+            return by_one(bench, parameters, words)
+        if missing:
+            return _chosen(bench, parameters, words, sections, progress)
+        return _solved(bench, parameters, words, progress)
+    except Infeasible as refused:
+        hidden = [x for x in hidden_by_hold(plant, dt) if x not in refused.reason]
+        raise refused.because("; ".join(hidden)) from None
+
+
+def _is_alone(law: str, parameters: Mapping[str, float]) -> bool:
+    """Return whether one number closes all that is open: of a P, the one that is given."""
+    return law == "p" and len(parameters) == 1
 
 
 def _solved(
@@ -115,7 +126,7 @@ def _solved(
         found = solved(bench.law, bench.sampled, spec, parameters, bench.iae, allow)
         return bench.verified(found, None if rule else spec)
     except NotMet as short:
-        raise NotMet(short.misses, short.measured, "" if rule else _OPEN_IT) from None
+        raise short.advising("" if rule else _OPEN_IT) from None
     except Infeasible as refused:
         if rule:
             raise
@@ -176,7 +187,7 @@ def _chosen_of(
         found = _at_the_edge(made, chosen.parameters["wc"], bool(under) and "wc" not in parameters)
     except NotMet as short:
         way_out = "".join(f"leave {name} out: {_WITH_IT}" for name in under)
-        raise NotMet(short.misses, short.measured, way_out) from None
+        raise short.advising(way_out) from None
     choice = replace(chosen.choice, open=open_keys, notes=notes(found, parameters, bench.fixed))
     return replace(found, choice=choice)
 

@@ -11,6 +11,7 @@ from zoh.errors import NotMet
 from zoh.lti.hidden import unstable_hidden, without_hidden
 from zoh.lti.systems import Plant, Sampled
 from zoh.request import CANCELLED_UNSTABLE_MODES
+from zoh.sampling.pathological import hidden_by_hold
 from zoh.solving import SolvedLaw
 from zoh.spec import Crossover, Requirements
 
@@ -68,7 +69,8 @@ class Bench(Setting):
         if evidence.margins.stable is False and unstable_hidden(self.plant):
             off = [HIDES]
         if off:
-            raise NotMet((*evidence.misses, *off), evidence)
+            hidden = hidden_by_hold(self.plant, self.sampled.dt)
+            raise NotMet((*evidence.misses, *off), evidence, "; ".join(hidden))
         return verified(evidence)
 
 

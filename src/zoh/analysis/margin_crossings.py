@@ -7,12 +7,13 @@ put |L| on either side of 1 there.
 
 from cmath import exp, phase
 from collections.abc import Sequence
-from math import degrees, frexp, inf
+from math import degrees, frexp, inf, remainder, ulp
+from operator import itemgetter
 
 from zoh.analysis.axis import terms
 from zoh.analysis.loop import Loop
 from zoh.analysis.series import wholes
-from zoh.analysis.sharp import EXACT, ROUNDED, as_v, closed_in, is_nothing
+from zoh.analysis.sharp import EXACT, FINE, ROUNDED, as_v, closed_in, is_nothing, places
 from zoh.analysis.squares import Squares, size
 from zoh.lti import poly, signs
 from zoh.lti.systems import Plant, Sampled
@@ -24,6 +25,8 @@ _SHARP = 1e-3  # of its terms: num conj den below that is beside a root of num o
 # the digits in floats, as does its place
 _MEANT = 2.0**-EXACT  # of a coefficient: what is off by less says where a root is, as given ones do
 _AT_A_ROOT = 1e-13  # of its terms: what num conj den is, in floats, at a root of num or den
+_ROUNDINGS = 4  # of a frequency, from v and back
+_SAME_DEG = 1e-5  # an angle found twice in exact arithmetic
 _SMALL, _LARGE = 1e-100, 1e100  # sizes whose squares a float holds, with room for a ratio
 
 Crossings = list[tuple[float, float]]
@@ -48,8 +51,9 @@ def gain_crossings(
     """
     if not any(squares.gain):  # |L| is 1 everywhere: what counts is where L is -1
         return [(w, 0.0) for w, _ in by_phase]
-    places = [*unities, *touches(loop, squares.gain, unities)]
-    crossings = [_at_unity(loop, squares, v, beside) for v in places]
+    exactly = [*zip(unities, places(squares.gain, unities), strict=True)]
+    exactly += [(as_v(q), q) for q in touches(loop, squares.gain, unities)]
+    crossings = [_at_unity(loop, squares, v, beside, q) for v, q in exactly]
     for v, top, bottom in loop.ends():
         if not bottom or abs(abs(top / bottom) - 1) > _TOUCHES:
             continue
@@ -60,7 +64,22 @@ def gain_crossings(
             continue
         if top / bottom < 0:
             crossings.append((w, 0.0))
-    return sorted(crossings)
+    return sorted(crossings, key=itemgetter(0))  # two of one float as they come
+
+
+def surely_crosses(loop: Loop, w: float, pm_deg: float) -> bool:
+    """Return whether |L| passes 1 at w in rad/s with this phase margin, by exact arithmetic.
+
+    For where the float w does not tell L: beside an undamped pole or zero.
+    """
+    loop = loop.finer()
+    squares = Squares.of(loop)
+    for q in signs.odd_roots(squares.gain, FINE):
+        at, pm = _exactly_at_unity(loop, squares, q)
+        turned = remainder(pm - pm_deg, 360.0)
+        if abs(at - w) <= _ROUNDINGS * ulp(w) and abs(turned) <= _SAME_DEG:
+            return True
+    return False
 
 
 def phase_crossings(
@@ -72,14 +91,16 @@ def phase_crossings(
     """
     if not loop.dead_time and not any(squares.turn):
         return _always_real(loop, squares, unities, beside)
-    places = [*turns, *touches(loop, squares.turn, turns)] if squares.whole else turns
-    crossings = [found for v in places if (found := _at_turn(loop, squares, v, beside))]
-    every = crossings + _at_the_ends(loop)
+    exactly = [*zip(turns, places(squares.turn, turns), strict=True)]
+    if squares.whole:
+        exactly += [(as_v(q), q) for q in touches(loop, squares.turn, turns)]
+    found = [_at_turn(loop, squares, v, beside, q) for v, q in exactly]
+    every = [c for c in found if c] + _at_the_ends(loop)
     return sorted([c for c in every if 0 < c[1] < inf])  # what a float holds
 
 
-def touches(loop: Loop, a: Whole, passed: Sequence[float]) -> list[float]:
-    """Return every v at which a polynomial in q = v^2 is 0 and keeps its sign.
+def touches(loop: Loop, a: Whole, passed: Sequence[float]) -> list[Point]:
+    """Return every q = v^2 at which a polynomial is 0 and keeps its sign.
 
     Only of a loop all of whose coefficients are exact: what a hold has rounded says of no two
     roots that they are one. Descartes' rule, with the roots where it passes, says mostly that
@@ -87,17 +108,26 @@ def touches(loop: Loop, a: Whole, passed: Sequence[float]) -> list[float]:
     """
     if any(len(s.den_w) > 1 for s in loop.made) or signs.variations(a) < len(passed) + 2:
         return []
-    return [as_v(q) for q in signs.even_roots(a)]
+    return signs.even_roots(a)
 
 
-def _at_unity(loop: Loop, squares: Squares, v: float, beside: list[float]) -> tuple[float, float]:
-    """Return (frequency, phase margin in deg) where |L| = 1."""
+def _at_unity(
+    loop: Loop, squares: Squares, v: float, beside: list[float], place: Point | None
+) -> tuple[float, float]:
+    """Return (frequency, phase margin in deg) where |L| = 1.
+
+    place  where that is in q, if v alone does not tell
+    """
     (top, of_top), (bottom, of_bottom) = map(_within_floats, loop.point(v))
     product = top * bottom.conjugate()
     if abs(product) > _SHARP * _bulk(loop, v, of_top, of_bottom):
         return loop.frequency(v), margin_deg(product)
     beside.append(v)
-    q = closed_in(squares.gain, v)
+    return _exactly_at_unity(loop, squares, place or closed_in(squares.gain, v))
+
+
+def _exactly_at_unity(loop: Loop, squares: Squares, q: Point) -> tuple[float, float]:
+    """Return (frequency, phase margin in deg) at a root of ``squares.gain``."""
     v, product = as_v(q), squares.direction(q)
     if not squares.whole:
         product *= exp(-1j * loop.psi(v))
@@ -105,9 +135,12 @@ def _at_unity(loop: Loop, squares: Squares, v: float, beside: list[float]) -> tu
 
 
 def _at_turn(
-    loop: Loop, squares: Squares, v: float, beside: list[float]
+    loop: Loop, squares: Squares, v: float, beside: list[float], place: Point | None
 ) -> tuple[float, float] | None:
-    """Return (frequency, factor onto -1) where L is real, None where it is not below 0."""
+    """Return (frequency, factor onto -1) where L is real, None where it is not below 0.
+
+    place  where that is in q, if v alone does not tell
+    """
     (top, of_top), (bottom, of_bottom) = map(_within_floats, loop.point(v))
     product = (top * bottom.conjugate()).real
     bulk = _bulk(loop, v, of_top, of_bottom)
@@ -115,7 +148,7 @@ def _at_turn(
     if near:
         beside.append(v)
     if near and squares.whole:
-        q = closed_in(squares.turn, v)
+        q = place or closed_in(squares.turn, v)
         if any(_is_nothing_at(q, factor) for factor in loop.factors):
             return None  # L is 0 or infinite there
         return loop.frequency(as_v(q)), squares.factor(q)

@@ -73,7 +73,7 @@ def none_encircled(loop: Loop) -> bool | None:
     if (loop.dt is None and loop.num[0]) or not any(squares.gain):
         return None  # it turns for ever, or is nowhere on one side of 1
     angles = [_angle(loop, v) for v in passed]
-    touched = [_angle(loop, v) for v in touches(loop, squares.gain, passed)]
+    touched = [_angle(loop, as_v(q)) for q in touches(loop, squares.gain, passed)]
     if _at_an_end(loop) or any(pi - abs(x) < _AT_THE_LIMIT for x in (*angles, *touched)):
         return False
     loud = next(c for c in reversed(squares.gain) if c) > 0

@@ -17,7 +17,7 @@ from zoh.analysis.close import Close
 from zoh.analysis.endless import keeps_above, none_decides
 from zoh.analysis.isolated import Isolated
 from zoh.analysis.loop import Loop
-from zoh.analysis.sharp import apart
+from zoh.analysis.sharp import apart, places
 from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import Below, Squares, squared
 from zoh.analysis.undamped import without_undamped
@@ -82,7 +82,8 @@ def counted(a: Whole, found: Sequence[float]) -> Proof:
     One sign change of the coefficients is one root and none is none; a root like that is found in
     floats, where terms of one sign cancel those of the other there alone. Of more of them each
     must lie in an interval of its own at whose ends a has different signs; no more roots than sign
-    changes there are, and those that are fewer are counted.
+    changes there are, and those that are fewer are counted. Two that are one float have such
+    intervals where no float is: each was found where exact arithmetic has it.
 
     >>> counted((1, -1, -2), [2**0.5]).method, counted((1, -5, 4), [1.0, 2.0]).method
     ('Descartes', 'Descartes')
@@ -96,7 +97,7 @@ def counted(a: Whole, found: Sequence[float]) -> Proof:
     number = signs.crossings(a)
     detail = f"{number} sign changes on the axis, {len(found)} found"
     holds = number == len(found)
-    if holds and not _apart(a, found):
+    if holds and not _apart(a, found) and None in places(a, found):
         holds, detail = False, detail + _NOT_APART
     return Proof(holds=holds, method="halving", detail=detail)
 

@@ -10,7 +10,7 @@ from itertools import pairwise
 from math import inf
 
 from zoh.analysis.squares import squared
-from zoh.lti import whole
+from zoh.lti import signs, whole
 from zoh.lti.whole import Point, Whole, derivative
 
 _MORE = 128  # bits of a root beyond those of the float it starts from
@@ -21,6 +21,7 @@ _AWAY = 10  # bits: a root that is not within a thousandth of where it was seen 
 # last bit, of such as are rounded
 EXACT, ROUNDED = 240, 93
 _JUST_BELOW, _JUST_ABOVE = 1 - 4e-15, 1 + 4e-15  # a float there is the root but for roundings
+FINE = 320  # bits of roots that no float tells apart: coefficients have 256
 APART = 2.0**-40  # relative; a root is within this of where it was found
 
 
@@ -60,6 +61,21 @@ def closer(a: Whole, first: Point) -> Point:
         if abs(step) <= here >> _ALMOST:
             return here, bottom
     return first
+
+
+def places(a: Whole, found: Sequence[float]) -> list[Point | None]:
+    """Return each root of a where two of those found, in v and ascending, are one float; else None.
+
+    >>> below, above = places((1, -2 << 99, (1 << 198) - 1), [2.0**49.5] * 2)  # 2^99 -+ 1
+    >>> [round((q[0] - (q[1] << 99)) / q[1], 9) for q in (below, above)]
+    [-1.0, 1.0]
+    >>> places((1, -3, 2), [1.0, 1.5])
+    [None, None]
+    """
+    if len(set(found)) == len(found):
+        return [None] * len(found)
+    every = signs.odd_roots(a, FINE)
+    return [*every] if [as_v(q) for q in every] == [*found] else [None] * len(found)
 
 
 def as_v(q: Point) -> float:

@@ -4,7 +4,7 @@ Nothing here knows how the controller came about: the law and its gains are labe
 """
 
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 
 from zoh import checks
 from zoh.analysis.asked import NOTHING_ASKED, checked, missed
@@ -20,6 +20,7 @@ from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.systems import Plant, Sampled
 from zoh.lti.weights import feedforward, fits
 from zoh.sampling.hold import sample
+from zoh.sampling.pathological import hidden_by_hold
 from zoh.spec import Requirements
 
 _NAMES = tuple(f.name for f in fields(Measured))
@@ -45,7 +46,7 @@ def measure(
     ``dt`` may be given to say which sample time is meant; it must be the controller's. Weights of
     the reference need the ``gains`` of the controller, and what is ``fixed`` in series with them.
     Raises SpecError for what is no plant, no controller, or two sample times; warns as
-    ``zoh.margins`` does.
+    ``zoh.margins`` does, and of each mode that the hold hides.
     """
     if isinstance(plant, FrequencyResponse):
         raise SpecError("plant", "must be a model", plant, "zoh.measure_table is for tables")
@@ -65,6 +66,8 @@ def measure(
     ahead = _ahead(controller, called["gains"], weights, fixed)
     sampled = sample(plant, controller.dt, compute_delay)
     margins = measure_loop(Loop.of(controller, sampled))
+    if hidden := hidden_by_hold(plant, controller.dt):
+        margins = replace(margins, warnings=(*hidden, *margins.warnings))
     warn_of_accuracy(margins.warnings)
     step, noise_gain = None, None
     if margins.stable:
@@ -144,7 +147,8 @@ def verify(
 def verified(evidence: Measured) -> Verified:
     """Return the evidence as ``Verified``, or raise NotMet that carries it."""
     if evidence.misses:
-        raise NotMet(evidence.misses, evidence)
+        hidden = hidden_by_hold(evidence.plant, evidence.dt)
+        raise NotMet(evidence.misses, evidence, "; ".join(hidden))
     return Verified(**{name: getattr(evidence, name) for name in _NAMES})
 
 

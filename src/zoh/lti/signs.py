@@ -47,15 +47,15 @@ def crossings(a: Whole) -> int:
     return sum([times % 2 for _, _, times, _ in _apart(trim(a), divisors.odd_once)[1]])
 
 
-def odd_roots(a: Whole) -> list[Point]:
-    """Return these roots to 2^-71 of themselves, ascending: none is invented, none is missed.
+def odd_roots(a: Whole, bits: int = _BITS) -> list[Point]:
+    """Return these roots to so many bits, ascending: none is invented, none is missed.
 
     >>> odd_roots((1, -4, 5, -2))  # (x - 1)^2 (x - 2)
     [(16, 8)]
     """
     high, parts = _apart(trim(a), divisors.odd_once)
     up, down = max(high, 0), max(-high, 0)
-    found = [_closed_in(part) for part in parts if part[2] % 2]
+    found = [_closed_in(part, bits) for part in parts if part[2] % 2]
     return sorted(
         [(top << up, bottom << down) for top, bottom in found], key=lambda q: Fraction(*q)
     )
@@ -133,13 +133,13 @@ def _stretched(a: Whole, octaves: int) -> list[int]:
     return [c << (up * (n - i) + down * i) for i, c in enumerate(a)]
 
 
-def _closed_in(part: _Part) -> Point:
-    """Return where the root is, to 2^-71 of itself."""
+def _closed_in(part: _Part, enough: int) -> Point:
+    """Return where the root is, to so many bits."""
     first, depth, _, a = part
     if not a:
         return first, 1 << depth
     rising, t, bits = a[-1] < 0, 0, 0  # the root is between t and t + 1, counted in 2^-bits
-    while (counted := (first << bits) + t).bit_length() < _BITS:
+    while (counted := (first << bits) + t).bit_length() < enough:
         t, bits = 2 * t + 1, bits + 1
         here = at_fraction(a, t, 1 << bits)
         if not here:
