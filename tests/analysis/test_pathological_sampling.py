@@ -145,3 +145,13 @@ def test_an_ordinary_loop_is_not_warned_of():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         zoh.verify(zoh.Plant(num=[1], den=[1, 0.1, 1]), gain(0.1, 0.1))
+
+
+def test_a_gain_beside_a_held_plant_is_not_called_a_loss_in_z():
+    # 1/(s^2 + 1) at 2 pi is (z + 1)/(z - 1)^2 times next to nothing: with a gain, next to the limit
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        measure(RINGING, gain(0.1, TWO_PI))
+    said = [str(w.message) for w in caught]
+    assert any(s.startswith("by the rounding of the given gain alone") for s in said)
+    assert not any("from its parameters" in s for s in said)

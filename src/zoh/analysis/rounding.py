@@ -32,6 +32,7 @@ _FEW_BITS = 4 * _HALF_A_UNIT  # of |L| in s: half a unit of num and of den, and 
 _WAYS_OUT = {
     "z-coefficients": "build the loop from its parameters (zoh.sample, Sampled.from_w) or sample "
     "more slowly",
+    "gain": "the last digit of a parameter decides there: choose another gain or another dt",
     "coefficients": "give them so that |L| is 1, or is not, in the digits that you know",
 }
 
@@ -54,8 +55,14 @@ def doubts(loop: Loop, m: Margins) -> tuple[str, ...]:
     found += _of_z(loop, m) if loop.rounded else []
     if not found:
         return ()
-    kind = "coefficients" if loop.dt is None else "z-coefficients"
+    kind = "coefficients" if loop.dt is None else _kind(loop)
     return (f"by the rounding of the given {kind} alone {', '.join(found)}: {_WAYS_OUT[kind]}",)
+
+
+def _kind(loop: Loop) -> str:
+    """Return what was given: a gain beside what zoh made is a parameter, in z as in w."""
+    only_gains = loop.made and all(len(s.den) == 1 for s in loop.rounded)
+    return "gain" if only_gains else "z-coefficients"
 
 
 def _in_doubt(loop: Loop, v: float) -> float:
