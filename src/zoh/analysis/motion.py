@@ -151,7 +151,7 @@ class Motion:
             stride = 1 << doublings
             left = alone and abs(float(self.output.dot(z)) - final) < NEAR * BAND * abs(final)
             if (until - k) >> doublings > _MANY and not left:
-                passed = min(passed, k + _crests(rates, k, end))
+                passed = _crests(rates, end)
                 left = k >= passed and farthest(self, z) < NEAR * BAND * abs(final)
                 until = until if k >= passed else min(until, passed)
             if left:
@@ -210,18 +210,18 @@ def _pace(rates: list[tuple[float, float]], k: int, end: int) -> tuple[bool, int
     return alone, doublings, until
 
 
-def _crests(rates: list[tuple[float, float]], k: int, end: int) -> int:
-    """Return the samples after which the crests of a pair that is alone from k on only get lower.
+def _crests(rates: list[tuple[float, float]], end: int) -> int:
+    """Return the sample from which on the crests of the slowest pair, alone, have been higher.
 
     An output, at the samples or a part of one after each, is its rest and A r^k cos(x k + p). In
     each turn some sample is half a step or less from the crest, at least cos(x/2) of it; what r^k
-    makes less than that is less than what was seen. ``end`` where no pair is alone.
+    makes less than that is less than what was seen. ``end`` where no pair is left alone before.
     """
-    alive = [rate for rate in rates if rate[0] * k <= _GONE]
-    if len(alive) != 2 or alive[0] != alive[1]:
+    (decay, size), *others = sorted(rates)
+    if not others or others[0] != (decay, size):
         return end
-    decay, size = alive[0]
     step = sqrt(max(size * size - decay * decay, 0.0))
     if decay <= 0 or not 0 < step < _HALF_A_TURN:
         return end
-    return ceil(min(end, 1 + tau / step - log(cos(step / 2)) / decay))
+    alone = max([_GONE / fast for fast, _ in others[1:]], default=0.0)
+    return ceil(min(end, alone + 1 + tau / step - log(cos(step / 2)) / decay))
