@@ -19,6 +19,7 @@ from zoh.spec import Requirements
 
 FASTER = 1.001  # what is faster by less does not count
 SLOWEST = 0.1  # of wc: the slowest zero that a choice may have, as docs/choice.md says
+RINGS = 3.0  # times 2/dt: a lead's pole beyond is chosen where nothing else does, as it says, too
 _FASTER = (1.0011, 1.002, 1.004, 1.008, 1.015, 1.03, 1.06, 1.12, 1.25, 1.5, 2.0, 3.0)
 _MARGINS = range(4, 100, 4)  # deg
 _FREE = np.geomspace(1e-3, 1e3, 25)  # of the law's gain at wc
@@ -187,9 +188,12 @@ def beaten(
     """Return the fastest rival, ``others`` among them, that meets everything; None without one."""
     wc = found.margins.crossover
     glance = Glance.of(found.sampled, wc * FASTER, asked)
-    best = None
+    best, rings = None, 2 * RINGS / task.dt
+    calm = found.gains.get("wp", 0.0) <= rings
     for num, den in chain(others, rivals(task, found, random, tries)):
         if glance.hopeless(num, den):
+            continue
+        if calm and task.law in ("lead", "lag") and den[1] > rings * den[0]:
             continue
         rival = zoh.Sampled.from_w(num_w=num, den_w=den, dt=task.dt)
         margins = zoh.margins(rival * found.sampled)

@@ -14,7 +14,7 @@ from zoh.analysis.record import Record, coefficients, crosses, or_no
 from zoh.analysis.results import Choice, Margins, StepInfo
 from zoh.analysis.stability import surely_stable
 from zoh.errors import NotMet
-from zoh.lti.forms import ringing
+from zoh.lti.forms import ringing_poles
 from zoh.lti.systems import Plant, Sampled
 from zoh.lti.weights import feedforward, fits, reference_path
 from zoh.sampling.hold import sample
@@ -99,7 +99,7 @@ class Measured(Record):
         if self.choice is not None:
             lines += [f"  {sentence}" for sentence in self.choice.sentences]
         lines += [f"  allowed: {word}" for word in self.allowed]
-        notes = (*ringing(self.gains, self.dt), *m.warnings)
+        notes = (*ringing_poles(self.controller, self.gains), *m.warnings)
         lines += [f"  NOTE: {note}" for note in notes]
         lines += [f"  MISSED: {miss}" for miss in self.misses]
         return "\n".join(lines)

@@ -11,7 +11,7 @@ from zoh.app.claims import Finding, check
 from zoh.app.project import GIVEN, Given, Project, Request
 from zoh.app.toml import within
 from zoh.errors import Infeasible, NotMet, SpecError
-from zoh.lti.forms import ringing
+from zoh.lti.forms import ringing_poles
 from zoh.lti.frequency_response import FrequencyResponse
 from zoh.lti.hidden import unstable_hidden
 from zoh.pipeline import design
@@ -208,7 +208,8 @@ def warnings(project: Project, entries: Sequence[Entry]) -> tuple[str, ...]:
         if entry.measured is None:
             continue
         notes = (
-            *ringing(entry.measured.gains, project.dt), *entry.measured.margins.warnings,
+            *ringing_poles(entry.measured.controller, entry.measured.gains),
+            *entry.measured.margins.warnings,
         )  # fmt: skip
         said += [f"{entry.name}: {sentence}" for sentence in notes]
         step = entry.measured.step

@@ -2,7 +2,8 @@
 
 Where a law alone is named, its fastest crossover that meets every requirement is taken; where wc
 is given, the margin with the most slack. Of ``auto`` the laws are tried from the simplest up,
-and the first that can meet everything is taken.
+and the first that can meet everything is taken. A lag or lead with a pole that rings from sample
+to sample is taken only where nothing else does.
 """
 
 from cmath import phase
@@ -23,6 +24,7 @@ from zoh.request import AUTO, NEGATIVE_GAINS, Progress
 from zoh.spec import Requirements
 
 FROM_THE_SIMPLEST = ("p", "pi", "pd", "lead", "lag", "pid", "leadlag")
+MAY_RING = ("lead", "lag", "leadlag")  # the laws whose fastest pole is chosen
 ASSUMED = Requirements(pm_deg=45.0, ms=1.7)
 _LEAST_PEAK = 1.25  # times the least Ms that a margin allows: what is assumed where that is more
 
@@ -45,25 +47,32 @@ def choose(
     assumed = _assumed(law, given) if nothing else judge.requirements
     judge = replace(judge, requirements=assumed)
     told = _said(assumed) if nothing else ()
-    tried: list[_Tried] = []
-    for name in FROM_THE_SIMPLEST if law == AUTO else (law,):
+    tried: dict[str, _Tried] = {}
+    for name, calm in _in_turn(law):
         why = why_never(judge, name, given)
         if why:
-            tried.append(_Tried(law=name, why=why))
+            tried[name] = _Tried(law=name, why=why)
             continue
-        edge = _edge(judge, name, given, progress)
+        edge = _edge(replace(judge, calm=calm), name, given, progress)
         if edge.best.met and edge.best.parameters is not None:
             choice = Choice(
                 open=_open(law, given, edge.best.parameters),
                 assumed=told,
                 limits=_limits(edge) or _at_the_end(edge, name, given),
-                tried=tuple((simpler.law, simpler.why) for simpler in tried),
+                tried=tuple((one.law, one.why) for one in tried.values() if one.law != name),
             )
             return Chosen(
                 law=name, parameters=edge.best.parameters, requirements=assumed, choice=choice
             )
-        tried.append(_Tried(law=name, why=_nearest(edge), best=edge.best))
-    raise _refusal(judge, law, given, tried, told, progress)
+        tried[name] = _Tried(law=name, why=_nearest(edge), best=edge.best)
+    raise _refusal(judge, law, given, list(tried.values()), told, progress)
+
+
+def _in_turn(law: str) -> list[tuple[str, bool]]:
+    """Return the laws to be tried, and whether none of its poles may ring: calm ones first."""
+    laws = FROM_THE_SIMPLEST if law == AUTO else (law,)
+    ringing = [(name, False) for name in laws if name in MAY_RING]
+    return [*((name, name in MAY_RING) for name in laws), *ringing]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -208,23 +217,25 @@ def _elsewhere(
     Of each law its fastest where that is below; else, if what is met is one interval, its slow end.
     """
     fixed = {name: value for name, value in given.items() if name != "wc"}
-    found: list[tuple[float, str]] = []
+    found: list[tuple[float, Search]] = []
     for one in tried:
         if one.best is None:
             continue
-        best = _edge(judge, one.law, fixed, progress).best
-        if best.met and best.wc > given["wc"] and (one.law != "p" or "pm_deg" not in fixed):
-            best = Search(judge, one.law, fixed, progress).closed_in(best, one.best)[0]
-        if best.met:
-            found.append((best.wc, one.law))
+        for law, calm in _in_turn(one.law):
+            there = replace(judge, calm=calm)
+            best = _edge(there, law, fixed, progress).best
+            if not best.met:
+                continue
+            search = Search(there, law, fixed, progress)
+            if best.wc > given["wc"] and (law != "p" or "pm_deg" not in fixed):
+                best = search.closed_in(best, one.best)[0]
+            found.append((best.wc, search))
+            break
     nearest = min(found, key=lambda spot: abs(log(spot[0] / given["wc"])), default=None)
-    return None if nearest is None else _in_seven_digits(judge, nearest, given, fixed)
+    return None if nearest is None else _in_seven_digits(*nearest, given["wc"])
 
 
-def _in_seven_digits(
-    judge: Judge, found: tuple[float, str], given: Mapping[str, float], fixed: Mapping[str, float]
-) -> float:
+def _in_seven_digits(wc: float, search: Search, given: float) -> float:
     """Return a crossover as it is printed, if all is met there, too; else as it was found."""
-    wc, law = found
-    printed = seven_digits(wc, 1 if wc > given["wc"] else -1)
-    return printed if Search(judge, law, fixed).at(printed).met else wc
+    printed = seven_digits(wc, 1 if wc > given else -1)
+    return printed if search.at(printed).met else wc

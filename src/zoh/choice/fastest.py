@@ -121,7 +121,8 @@ class Search:
         ms = self.judge.requirements.ms
         of_peak = 0.0 if ms is None else degrees(2 * asin(min(1.0, 1 / (2 * ms)))) - _ROUNDING_DEG
         least = max(self.judge.requirements.pm_deg or 0.0, of_peak)
-        freedom = Freedom.of(self.law, self.judge.facing, wc, self.fixed, least)
+        calm = self.judge.calm
+        freedom = Freedom.of(self.law, self.judge.facing, wc, self.fixed, least, calm=calm)
         if freedom is None:
             return Trial(wc=wc, judgement=self._nowhere(wc, least))
         known: dict[Point, Judgement] = {}
@@ -149,6 +150,7 @@ class Search:
         wanted, slow = self.fixed.get("pm_deg", max(least, LEAST_DEG)), ""
         if keeps_zeros_fast(self.law, self.fixed):
             slow = f" with no zero slower than {SLOWEST * warp(wc, self.judge.facing.dt):.4g} rad/s"
+            slow += " and no pole that rings" if self.judge.calm else ""
         if self.law == "leadlag" and "lag_ratio" not in self.fixed:
             slow += ", its lead centred (a lag_ratio moves it)"
         failed = f"the law cannot give a margin of {wanted:.4g} deg{slow}"

@@ -8,6 +8,8 @@ neither given nor a decade below wc, and those with a zero whose real part is mo
 below wc. A slow zero lets
 the loop creep, or ring, for ever behind a crossover that is fast in name alone: an integral that
 does next to nothing, a derivative with next to no gain below it.
+Where nothing may ring, no lead has a pole below z = -1/2: one there gains a degree or two, and
+makes the effort turn at every sample, and the noise many times what it is.
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,7 +20,7 @@ from zoh.design import first_order, leadlag
 from zoh.design import pid as pid_law
 from zoh.design.target import Response, Target
 from zoh.errors import SpecError
-from zoh.lti.forms import time_constant
+from zoh.lti.forms import RINGS, time_constant
 from zoh.spec import Crossover
 
 SLOWEST = 0.1  # of wc, in the w-plane: how slowly a controller's zeros may decay
@@ -37,6 +39,7 @@ class Freedom:
     fixed   the parameters that are given
     size    how many coordinates there are
     tau     s, the time constant of a PD's and PID's derivative
+    flat    the least time constant of a chosen lead's pole, in parts of 1/v; 0 where it may ring
     """
 
     law: str
@@ -47,28 +50,34 @@ class Freedom:
     fixed: Mapping[str, float]
     size: int
     tau: float
+    flat: float
 
     @classmethod
     def of(
-        cls, law: str, sampled: Response, wc: float, fixed: Mapping[str, float], least_pm: float
-    ) -> "Freedom | None":
-        """Return what is open at wc; None where the law cannot give the least margin there."""
+        cls, law: str, sampled: Response, wc: float, fixed: Mapping[str, float], least_pm: float,
+        *, calm: bool = False,
+    ) -> "Freedom | None":  # fmt: skip
+        """Return what is open at wc; None where the law cannot give the least margin there.
+
+        calm  whether a lead whose gain at w = 0 is open may have no pole that rings
+        """
         try:
             target = Target.of(sampled, Crossover(wc=wc, pm_deg=90.0))
         except SpecError:  # a pole or a zero on the circle, or no frequency below Nyquist's
             return None
         turn_deg = 90.0 - degrees(target.theta)  # the margin of a law that turns nothing
+        flat = target.v * sampled.dt / (2 * RINGS) if calm else 0.0
         if law == "p":
             pm = _of_plant(turn_deg, fixed, least_pm)
         else:
-            pm = _margins(_turns(law, target, fixed), turn_deg, fixed, least_pm)
+            pm = _margins(_turns(law, target, fixed, flat), turn_deg, fixed, least_pm)
         if pm is None:
             return None
         second = second_is_open(law, fixed)
         tau = time_constant(fixed.get("filter_pole"), sampled.dt)
         return cls(
             law=law, target=target, turn_deg=turn_deg, wc=wc, pm=pm, fixed=fixed,
-            size=(pm[0] < pm[1]) + second, tau=tau,
+            size=(pm[0] < pm[1]) + second, tau=tau, flat=flat,
         )  # fmt: skip
 
     def parameters(self, x: Sequence[float]) -> dict[str, float]:
@@ -87,13 +96,13 @@ class Freedom:
         """Return the second parameter and its value at a coordinate, the law turning by theta."""
         target, c = self.target, cos(theta)
         if self.law == "leadlag":
-            return "dc_gain", _of_lead_lag(target, self.fixed, theta, x)
+            return "dc_gain", _of_lead_lag(target, self.fixed, theta, x, self.flat)
         if self.law == "pid":
             low, high = _integrals(target, theta, self.tau)
             share = (exp(_WIDE * x) - 1) / (exp(_WIDE) - 1)  # finest at the least ki
             return "ki", (low + (high - low) * share) * target.v / target.size
         if self.law == "lead":
-            return "dc_gain", _of_lead(theta, x) / target.size
+            return "dc_gain", _of_lead(theta, x, self.flat) / target.size
         slow = abs(sin(theta)) / SLOWEST  # how |1/r - c| is where the zero is the slowest
         # 1/r from c down, r the gain at w = 0 in parts of that at wc
         return "dc_gain", 1 / ((c + (max(0.0, c - slow) - c) * _both_ends(x)) * target.size)
@@ -104,24 +113,31 @@ def _both_ends(x: float) -> float:
     return 1 / (1 + exp(_WIDE * (1 - 2 * x)))
 
 
-def _of_lead(theta: float, x: float) -> float:
-    """Return a lead's gain at w = 0 in parts of that at wc, from that of the slowest zero up."""
+def _of_lead(theta: float, x: float, flat: float) -> float:
+    """Return a lead's gain at w = 0 in parts of that at wc.
+
+    It is r: the zero is the slowest where 1/r is c + s/SLOWEST, the pole the fastest where r is
+    c - s flat, with c and s the cosine and the sine of theta.
+    """
     c, slow = cos(theta), sin(theta) / SLOWEST
-    return 1 / (c + slow) + (c - 1 / (c + slow)) * _both_ends(x)
+    return 1 / (c + slow) + (c - sin(theta) * flat - 1 / (c + slow)) * _both_ends(x)
 
 
-def _of_lead_lag(target: Target, fixed: Mapping[str, float], theta: float, x: float) -> float:
+def _of_lead_lag(
+    target: Target, fixed: Mapping[str, float], theta: float, x: float, flat: float
+) -> float:
     """Return a lead-lag's gain at w = 0.
 
     Of a given ratio r the lead's coordinate is taken, behind the lag. Of a free one it is g, see
-    ``design.leadlag``: the centred lead's zero is at v tan((g - d)/2), d = theta - atan(v/wz).
+    ``design.leadlag``: the centred lead's zero is at v tan((g - d)/2), d = theta - atan(v/wz), and
+    its pole at v/tan((g - d)/2).
     """
     turn = _lag_turn(target, fixed)
     b = atan(turn)
     if "lag_ratio" in fixed:
         a = atan(fixed["lag_ratio"] * turn)
-        return _of_lead(theta - b + a, x) / (target.size * cos(a) / cos(b))
-    low = max(0.0, theta - b + 2 * atan(SLOWEST))
+        return _of_lead(theta - b + a, x, flat) / (target.size * cos(a) / cos(b))
+    low = max(0.0, theta - b + 2 * atan(max(SLOWEST, flat)))
     high = min(pi / 2 - b, pi / 2 - _LEAST_LEAD + theta - b)
     g = low + (high - low) * _both_ends(x)
     return tan((g - theta + b) / 2) * cos(b) / sin(g) / target.size
@@ -132,16 +148,18 @@ def _lag_turn(target: Target, fixed: Mapping[str, float]) -> float:
     return target.v / fixed["lag_corner"] if "lag_corner" in fixed else 10.0
 
 
-def _lead_lag_turns(target: Target, fixed: Mapping[str, float]) -> tuple[float, float] | None:
+def _lead_lag_turns(
+    target: Target, fixed: Mapping[str, float], flat: float
+) -> tuple[float, float] | None:
     """Return the phases of a lead-lag; a lag's zero that is given may be as slow as it is."""
     turn, ratio = _lag_turn(target, fixed), fixed.get("lag_ratio")
     if "dc_gain" in fixed:
         return leadlag.phases(target, fixed["dc_gain"], turn, ratio)
     b = atan(turn)
     if ratio is None:
-        return b - pi / 2 + _LEAST_LEAD, pi / 2 - 2 * atan(SLOWEST)
+        return b - pi / 2 + _LEAST_LEAD, pi / 2 - 2 * atan(max(SLOWEST, flat))
     lag = b - atan(ratio * turn)
-    return lag, lag + atan(1 / SLOWEST)
+    return lag, lag + atan(1 / SLOWEST) - atan(flat)
 
 
 def _integrals(target: Target, theta: float, tau: float) -> tuple[float, float]:
@@ -175,7 +193,9 @@ def keeps_zeros_fast(law: str, fixed: Mapping[str, float]) -> bool:
     return law in ("pi", "pd") or second_is_open(law, fixed)
 
 
-def _turns(law: str, target: Target, fixed: Mapping[str, float]) -> tuple[float, float] | None:
+def _turns(
+    law: str, target: Target, fixed: Mapping[str, float], flat: float
+) -> tuple[float, float] | None:
     """Return the interval of phases in rad that the law can give, any second parameter."""
     tau, q = time_constant(fixed.get("filter_pole"), target.dt), SLOWEST
     x = target.v * tau
@@ -189,11 +209,13 @@ def _turns(law: str, target: Target, fixed: Mapping[str, float]) -> tuple[float,
             return pid_law.phases(target, fixed["ki"], tau)
         return _room(x, q)
     if law == "leadlag":
-        return _lead_lag_turns(target, fixed)
+        return _lead_lag_turns(target, fixed, flat)
     given = fixed.get("dc_gain")
     if law == "lag":
         return (-pi / 2, 0.0) if given is None else first_order.lag_phases(target, given)
-    return (0.0, atan(1 / q)) if given is None else first_order.lead_phases(target, given)
+    if given is not None:
+        return first_order.lead_phases(target, given)
+    return 0.0, atan(1 / q) - atan(flat)  # the largest where both ends of _of_lead are one
 
 
 def _room(x: float, q: float) -> tuple[float, float] | None:

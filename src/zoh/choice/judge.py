@@ -19,6 +19,7 @@ from zoh.analysis.step import closed_loop_step
 from zoh.choice.freedom import SLOWEST
 from zoh.errors import Infeasible, SpecError
 from zoh.lti import poly
+from zoh.lti.forms import ringing
 from zoh.lti.systems import Sampled
 from zoh.lti.weights import WEIGHTS, feedforward
 from zoh.lti.wplane import warp
@@ -60,9 +61,11 @@ class Judge(Setting):
     """A setting in which candidates are compared.
 
     back  whether the laws are of negative gains: solved on the opposite plant, then turned
+    calm  whether a law with a pole that rings from sample to sample is none
     """
 
     back: bool = False
+    calm: bool = False
 
     def __post_init__(self) -> None:
         checked(self.requirements)
@@ -100,6 +103,8 @@ class Judge(Setting):
             loop = Loop.of(found.controller, self.facing)
         except (Infeasible, SpecError) as refused:
             return Judgement(slack=-4.0, failed=str(refused))
+        if self.calm and ringing(found.gains, self.sampled.dt):
+            return Judgement(slack=-2.0, failed="a pole of the controller rings at every sample")
         if self.effort_slack(found) < worth:
             return self._at_once(found)
         if "ti_td" in parameters and _slow(found.controller, spec.wc):

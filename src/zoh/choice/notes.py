@@ -6,9 +6,11 @@ from math import inf
 import numpy as np
 
 from zoh.analysis.verify import Verified
+from zoh.choice.choose import MAY_RING
 from zoh.choice.freedom import SLOWEST
 from zoh.choice.judge import slowest_zero
 from zoh.lti import poly
+from zoh.lti.forms import ringing
 from zoh.lti.systems import Sampled
 from zoh.lti.wplane import warp
 
@@ -18,7 +20,7 @@ _OF_ROBUSTNESS = ("pm_deg", "gain_margin_db", "delay_margin", "ms", "mt")
 
 
 def notes(found: Verified, given: Mapping[str, float], fixed: Sampled | None) -> tuple[str, ...]:
-    """Return what is said of a chosen design: a slow zero, and robustness that nothing bounds.
+    """Return what is said of a chosen design: slow zeros, poles that ring, what nothing bounds.
 
     given  the parameters that were not chosen;  fixed  what is in series with the law
     """
@@ -29,6 +31,8 @@ def notes(found: Verified, given: Mapping[str, float], fixed: Sampled | None) ->
             "nothing that was asked bounds the robustness: the phase margin is "
             f"{margins.phase_margin_deg:.4g} deg, ms {margins.ms:.4g}"
         )
+    if found.law in MAY_RING and ringing(found.gains, found.dt):
+        said.append("without a pole that rings at every sample nothing meets everything")
     slowest = slowest_zero(found.controller, fixed)
     poles = poly.roots(found.controller.den_w)
     if np.abs(poles + slowest).min(initial=inf) < _DIPOLE * slowest:

@@ -1,4 +1,4 @@
-"""The gains of a P, PI, PD or PID as each book writes them, all in the w-plane.
+"""The gains of a P, PI, PD or PID as each book writes them, all in the w-plane; poles that ring.
 
     parallel   kp + ki/w + kd w/(1 + w/p)
     standard   kp (1 + 1/(ti w) + td w/(1 + w td/n))                     n = td p
@@ -15,9 +15,13 @@ from collections.abc import Mapping
 from math import sqrt
 from typing import Any
 
+from zoh.lti import poly
+from zoh.lti.systems import Sampled
 from zoh.lti.written import number
 
-_RINGS = 3.0  # times 2/dt: from there on a pole is below z = -1/2
+RINGS = 3.0  # times 2/dt: from there on a pole is below z = -1/2
+_POLES = ("filter_pole", "wp", "lag_pole", "lead_pole")  # gains that are poles of their law
+_REAL = 1e-4  # of a pole: a double one on the real axis is found as a pair as near as that
 
 
 def time_constant(filter_pole: float | None, dt: float) -> float:
@@ -71,17 +75,40 @@ def sentences(gains: Mapping[str, float]) -> list[str]:
 
 
 def ringing(gains: Mapping[str, float], dt: float) -> list[str]:
-    """Return a line where the derivative's pole is so fast that it rings from sample to sample.
+    """Return a line for each pole of a law so fast that it rings from sample to sample.
 
     >>> ringing({"kp": 1.0, "kd": 1.0, "filter_pole": 380.0}, 0.1)
     ['filter_pole = 380 is far above 2/dt = 20: its pole at z = -0.9 rings at every sample']
     """
-    half = gains.get("filter_pole", 0.0) * dt / 2
-    if not half > _RINGS:
-        return []
-    pole = (1 - half) / (1 + half)
-    said = f"filter_pole = {gains['filter_pole']:g} is far above 2/dt = {2 / dt:g}"
-    return [f"{said}: its pole at z = {pole:.4g} rings at every sample"]
+    return [
+        f"{name} = {gains[name]:g} is far above 2/dt = {2 / dt:g}: its pole at "
+        f"z = {pole:.4g} rings at every sample"
+        for name, pole in _named(gains, dt).items()
+    ]
+
+
+def ringing_poles(controller: Sampled, gains: Mapping[str, float]) -> list[str]:
+    """Return the lines of ``ringing``, and one for each other pole of the controller that rings.
+
+    >>> ringing_poles(Sampled(num=[1.0, 0.0], den=[1.0, 0.9], dt=0.1), {})
+    ['a pole of the controller at z = -0.9 rings at every sample']
+    """
+    found = [
+        float(pole.real)
+        for pole in poly.roots(controller.den)
+        if pole.real < (1 - RINGS) / (1 + RINGS) and abs(pole.imag) < _REAL * abs(pole)
+    ]
+    for known in _named(gains, controller.dt).values():
+        if found:
+            found.remove(min(found, key=lambda pole: abs(pole - known)))
+    others = [f"a pole of the controller at z = {pole:.4g} rings at every sample" for pole in found]
+    return [*ringing(gains, controller.dt), *others]
+
+
+def _named(gains: Mapping[str, float], dt: float) -> dict[str, float]:
+    """Return the poles in z of a law that ring, by the name of the gain."""
+    halves = {name: gains[name] * dt / 2 for name in _POLES if name in gains}
+    return {name: (1 - half) / (1 + half) for name, half in halves.items() if half > RINGS}
 
 
 def _series(

@@ -21,6 +21,7 @@ from zoh.analysis.tabled.path import Path
 from zoh.analysis.tabled.results import TableMargins
 from zoh.analysis.verify import Measured
 from zoh.errors import NotMet, SpecError
+from zoh.lti.forms import ringing_poles
 from zoh.lti.frequency_response import FrequencyResponse, TabledLoop
 from zoh.lti.systems import Sampled, sample_time
 from zoh.sampling.hold import sample
@@ -66,7 +67,8 @@ class TableMeasured(Record):
             *self._head(m, "NOT DECIDED by the table"),
             f"  delay margin {m.delay_margin:.4g} s, Ms {m.ms:.4g}, Mt {m.mt:.4g} in the table",
         ]
-        lines += [f"  note: {sentence}" for sentence in m.warnings]
+        notes = (*ringing_poles(self.controller, self.gains), *m.warnings)
+        lines += [f"  note: {sentence}" for sentence in notes]
         lines += [f"  MISSED: {miss}" for miss in self.misses]
         return "\n".join(lines)
 
