@@ -14,6 +14,7 @@ from zoh.errors import SpecError
 from zoh.lti import whole
 from zoh.lti.given import MAX_ORDER
 from zoh.lti.systems import Plant, Sampled
+from zoh.sampling.hold import sample
 
 
 def value(a, x):
@@ -193,6 +194,48 @@ def test_repr_makes_it_again():
     assert eval(repr(ARM)) == ARM
     system = Sampled(num=[0.1], den=[1, -0.9], dt=0.1)
     assert eval(repr(system)) == system
+
+
+@pytest.mark.parametrize("dead_time", [6.0, 60.03, 900.0])
+def test_a_delay_is_no_order_and_is_read_back(dead_time):
+    """1/(10 s + 1) at 0.1 s: p = exp(-0.01), and D samples of delay, f of one less than ceil.
+
+    By hand, with m the whole samples and f what is left of one: g(k) = 1 - p^(k - m - f) from
+    k = m + 1 on, so that G = z^-m ((1 - p^(1-f)) z + p^(1-f) - p)/(z (z - p)).
+    """
+    system = sample(Plant(num=[1], den=[10, 1], dead_time=dead_time), 0.1)
+    again = eval(repr(system), {"Sampled": Sampled})
+    assert again == system
+    with mp.workdps(40):
+        late = mp.mpf(dead_time) / mp.mpf(0.1)  # of the floats; 1e-9: 0.1 is no decimal in them
+        m = int(mp.floor(late + mp.mpf("1e-9")))
+        f = mp.mpf(0) if abs(late - m) < mp.mpf("1e-9") else late - m
+        p, z = mp.exp(mp.mpf(-0.1) / 10), mp.exp(mp.mpc(0, 0.3) * mp.mpf(0.1))
+        q = p ** (1 - f)
+        truth = ((1 - q) * z + q - p) / (z * (z - p)) / z**m
+    # z^-9000 at 0.3 rad/s turns by 270 rad, rounded to 1e-13
+    assert abs(again.at(0.3) - complex(truth)) < 1e-9 * abs(truth)
+    assert again.delay == m + (f > 0)
+
+
+def test_a_long_average_says_what_to_do_and_that_does():
+    """64 taps: refused as one fraction, and sum z^-k = (1 + 1/z)(1 + 1/z^2) ... (1 + 1/z^32)."""
+    with pytest.raises(SpecError, match=r"besides its delay .* got 63: .* multiply systems"):
+        Sampled(num=[1 / 64] * 64, den=[1] + [0] * 63, dt=1)
+    average = Sampled(num=[0.5, 0.5], den=[1, 0], dt=1)
+    for k in (2, 4, 8, 16, 32):
+        part = Sampled(num=[0.5] + [0] * (k - 1) + [0.5], den=[1] + [0] * k, dt=1)
+        average = average * part
+    wanted = sum(mp.exp(mp.mpc(0, -0.3) * k) for k in range(64)) / 64
+    # 1e-11: a polynomial of order 63 in floats, which is why there is a bound
+    assert abs(average.at(0.3) - complex(wanted)) < 1e-11
+
+
+def test_a_delay_beyond_its_bound_is_refused():
+    with pytest.raises(SpecError, match="1000000 samples of delay or fewer, got 1000001: sample"):
+        Sampled(num=[1], den=[1] + [0] * 1_000_001, dt=1)
+    with pytest.raises(SpecError, match=r"besides its delay .* got 51: reduce"):
+        Sampled(num=[1], den=[1.0] * (MAX_ORDER + 2) + [0.0] * 9, dt=1)
 
 
 BAD_PLANTS = [

@@ -15,7 +15,6 @@ from collections.abc import Mapping
 from math import sqrt
 from typing import Any
 
-from zoh.lti import poly
 from zoh.lti.systems import Sampled
 from zoh.lti.written import number
 
@@ -95,7 +94,7 @@ def ringing_poles(controller: Sampled, gains: Mapping[str, float]) -> list[str]:
     """
     found = [
         float(pole.real)
-        for pole in poly.roots(controller.den)
+        for pole in controller.poles()
         if pole.real < (1 - RINGS) / (1 + RINGS) and abs(pole.imag) < _REAL * abs(pole)
     ]
     for known in _named(gains, controller.dt).values():

@@ -12,10 +12,14 @@ from zoh.errors import SpecError
 from zoh.lti.poly import Poly
 
 MAX_ORDER = 50  # beyond it a double holds no polynomial; real loops stay far below
+MOST_DELAY = 1_000_000  # samples; z^-delay is written out in the z-coefficients
 
 
 def check_fraction(num: Poly, den: Poly, variable: str) -> None:
-    """Raise SpecError unless num/den is a proper (causal) fraction of a known order."""
+    """Raise SpecError unless num/den is a proper (causal) fraction of a known order.
+
+    What is delay of a fraction in z is no order: it is kept as a number of samples.
+    """
     if not any(den):
         raise SpecError("den", "must not be all zeros", list(den), "give at least one coefficient")
     if not any(num):
@@ -31,9 +35,24 @@ def check_fraction(num: Poly, den: Poly, variable: str) -> None:
             f"a {reason} system has deg num <= deg den",
         )
     if len(den) - 1 > MAX_ORDER:
+        _check_order(num, den, variable)
+
+
+def _check_order(num: Poly, den: Poly, variable: str) -> None:
+    """Raise SpecError where den has too many coefficients to work with, or too much delay."""
+    why = "the digits of a float hold no polynomial beyond"
+    if variable == "s":
+        bound = f"must have order {MAX_ORDER} or less ({why})"
+        raise SpecError("den", bound, len(den) - 1, "reduce the model first")
+    delay = delay_at_zero(num, den)
+    if delay > MOST_DELAY:
+        bound = f"must be {MOST_DELAY} samples of delay or fewer"
+        raise SpecError("den", bound, delay, "sample more slowly")
+    if len(den) - 1 - delay > MAX_ORDER:
         raise SpecError(
-            "den", f"must have order {MAX_ORDER} or less", len(den) - 1, "reduce the model first"
-        )
+            "den", f"must have order {MAX_ORDER} or less besides its delay ({why})",
+            len(den) - 1 - delay, "reduce the model, or multiply systems of lower order, a * b",
+        )  # fmt: skip
 
 
 def paired(name: str, values: Any) -> list[complex]:

@@ -12,14 +12,13 @@ import numpy.typing as npt
 from zoh import checks
 from zoh.errors import SpecError
 from zoh.lti import poly
-from zoh.lti.given import check_fraction, delay_at_zero, in_w
+from zoh.lti.given import MOST_DELAY, check_fraction, delay_at_zero, in_w
 from zoh.lti.poly import ComplexArray, Poly
 from zoh.lti.whole import of, times
 from zoh.lti.wplane import roots_in_z, w_to_z, z_to_w
 
 Wholes = tuple[list[int], list[int], int]  # num, den, and the one number that they are times
 
-MOST_DELAY = 1_000_000  # samples; z^-delay is written out in the z-coefficients
 _A_FLOAT = 2.0**-53  # of a coefficient: what rounding it to a float puts it off by
 
 
