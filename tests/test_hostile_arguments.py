@@ -165,3 +165,36 @@ def test_a_warning_points_at_the_line_that_asked():
     with pytest.warns(zoh.AccuracyWarning) as said, suppress(zoh.NotMet):
         zoh.verify(zoh.Plant(num=[1], den=[1]), loop)
     assert [warning.filename for warning in said] == [__file__]
+
+
+NO_DIMENSION = np.array(0.5)
+SWEPT = {"plant": PLANT, "law": "pi", "given": {"pm_deg": 50}, "dt": 0.1, "over": {"wc": [1, 2]}}
+MAPPED = {"plant": PLANT, "law": "pi", "dt": 0.1, "points": (3, 3)}
+CLOCKS = {"plant": PLANT, "law": "pi", "given": {"wc": 0.5, "pm_deg": 40}, "dts": [0.1, 0.2]}
+TRIED = {**SWEPT, "given": {"pm_deg": 50, "wc": [1, 2]}, "over": {"plant.gain": [1, 2]}}
+
+
+@pytest.mark.parametrize(
+    ("function", "given", "argument", "wrong"),
+    [
+        (zoh.margins, {}, "loop", [3, None, "1/s"]),
+        (zoh.sweep, SWEPT, "over", [{}, 3, [1]]),
+        (zoh.sweep, SWEPT, "given", ["wc", 3, [1], np.zeros(2)]),
+        (zoh.sweep, SWEPT, "law", [3, np.zeros(2), "lag-lead"]),
+        (zoh.sweep, SWEPT, "controller", ["1/s", 3, PLANT]),
+        (zoh.sweep, SWEPT, "arithmetic", ["fast", 3, np.zeros(2)]),
+        (zoh.robust, TRIED, "over", [{}, 3]),
+        (zoh.robust, TRIED, "sections", [True, 3]),
+        (zoh.law_map, MAPPED, "given", ["wc", 3, np.zeros(2)]),
+        (zoh.law_map, MAPPED, "allow", [NO_DIMENSION, 3, {"negative_gains": True}]),
+        (zoh.law_map, MAPPED, "points", [True, 3, (3,), (3, 3, 3), (1, 3)]),
+        (zoh.sample_times, CLOCKS, "dts", [True, 3, NO_DIMENSION, [0.1]]),
+        (zoh.notch, {}, "w0", ["1", 0, -1, None]),
+        (TABLE.scaled, {}, "gain", [0, "1", 1e308]),
+    ],
+)
+def test_an_argument_is_called_what_the_function_calls_it(function, given, argument, wrong):
+    for value in wrong:
+        with pytest.raises(zoh.SpecError) as refused:
+            function(**{**given, argument: value})
+        assert refused.value.argument == argument, value

@@ -167,7 +167,8 @@ def column(
     >>> column("magnitude", [1, 2], 2, above=0.0)
     array([1., 2.])
     """
-    result = np.array(np.atleast_1d(numbers(name, value)))
+    way_out = "give one number for each row"
+    result = np.array(np.atleast_1d(numbers(name, value, way_out=way_out)))
     if result.ndim != 1 or len(result) != (len(result) if length is None else length):
         bound = "must be one column" if length is None else f"must be {length} numbers, one per w"
         raise SpecError(name, bound, result.shape, "complete the rows")
@@ -182,6 +183,23 @@ def column(
         raise SpecError(f"{name}[{i}]", bound, float(result[i]), "mend this row or leave it out")
     result.flags.writeable = False
     return result
+
+
+def ascending(name: str, value: object) -> npt.NDArray[np.float64]:
+    """Return a column of frequencies: two or more, above 0, each above the one before.
+
+    >>> ascending("w", [1, 2])
+    array([1., 2.])
+    """
+    found = column(name, value, above=0.0)
+    if len(found) < 2:
+        raise SpecError(name, "must have two points or more", found.tolist(), "measure more")
+    wrong = np.flatnonzero(np.diff(found) <= 0)
+    if wrong.size:
+        i = int(wrong[0]) + 1
+        bound = f"must be above {name}[{i - 1}]"
+        raise SpecError(f"{name}[{i}]", bound, float(found[i]), "sort the rows")
+    return found
 
 
 def _is_0d(value: object) -> TypeGuard[npt.NDArray[Any]]:

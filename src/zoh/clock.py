@@ -168,7 +168,9 @@ def _grid(dts: Sequence[float] | None, wc: float) -> list[float]:
     if dts is None:
         spaced = np.geomspace(_SHORTEST, _LONGEST, _POINTS) * (pi / wc)
         return [float(dt) for dt in spaced]
-    grid = sorted({checks.positive("dts", dt, "give sample times in seconds") for dt in dts})
+    way_out = "give sample times in seconds"
+    given = checks.sequence("dts", dts, way_out)
+    grid = sorted({checks.positive("dts", dt, way_out) for dt in given})
     if len(grid) < 2:
         raise SpecError("dts", "must have two sample times or more", grid, "[1e-3, 1e-2]")
     return grid

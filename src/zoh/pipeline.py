@@ -130,8 +130,11 @@ def _solved(
     except Infeasible as refused:
         if rule:
             raise
-        if unstable_hidden(bench.plant):  # nothing can be had instead
-            raise refused.because(HIDES) from None
+        if unstable_hidden(bench.plant):  # nothing can be had instead, no other margin either
+            raise Infeasible(
+                f"{refused.reason}; {HIDES}", needed_deg=refused.needed_deg,
+                needed_gain=refused.needed_gain, gives_deg=refused.gives_deg,
+            ) from None  # fmt: skip
         told = certified(refused, bench.law, bench.sampled, spec, parameters, allow, progress)
         raise told.because(contradicted(bench.requirements, parameters)) from None
 

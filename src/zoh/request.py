@@ -113,9 +113,12 @@ def allowed(allow: object) -> frozenset[str]:
     >>> sorted(allowed(["negative_gains"]))
     ['negative_gains']
     """
-    if isinstance(allow, str) or not isinstance(allow, Iterable):
+    if isinstance(allow, str | Mapping) or not isinstance(allow, Iterable):
         raise _not_allowed("must be a list of words", allow)
-    words = list(allow)
+    try:
+        words = list(allow)
+    except TypeError:  # an array of no dimension
+        raise _not_allowed("must be a list of words", allow) from None
     for word in words:
         if not isinstance(word, str) or word not in ALLOWABLE:
             raise _not_allowed("must hold words that are known", word)

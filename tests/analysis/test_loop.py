@@ -71,7 +71,7 @@ def test_a_mixture_is_refused(other):
 def test_what_is_no_system_is_refused():
     with pytest.raises(SpecError) as told:
         Loop.of("1/s")
-    assert (told.value.argument, told.value.value) == ("L", "1/s")
+    assert (told.value.argument, told.value.value) == ("loop", "1/s")
     assert told.value.bound == "must be a zoh.Plant or zoh.Sampled"
     assert told.value.way_out == "make one first"
 
@@ -80,9 +80,9 @@ def test_a_gain_beyond_floats_is_refused():
     loud = Plant(num=[1e300], den=[1.0, 1.0])
     with pytest.raises(SpecError) as told:
         Loop.of(loud, loud)
-    assert (told.value.argument, told.value.value) == ("L", [loud, loud])
+    assert (told.value.argument, told.value.value) == ("loop", [loud, loud])
     assert str(out_of_range(7)) == (
-        "L must have gains that a 64-bit float can hold, got 7: "
+        "loop must have gains that a 64-bit float can hold, got 7: "
         "use other units for the signals or for time"
     )
 

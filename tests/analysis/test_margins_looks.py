@@ -127,7 +127,7 @@ def test_a_crossing_beyond_floats_is_one_clear_line_too():
     far = Loop.of(Sampled.from_w(num_w=(0.0, 1e300), den_w=(1e-300, 1e300), dt=1.0, delay=20))
     with pytest.raises(SpecError) as told:
         nearest_crossing(far)
-    assert told.value.argument == "L"
+    assert told.value.argument == "loop"
     assert told.value.value == [*far.num, *far.den]
     assert told.value.way_out
 

@@ -217,6 +217,9 @@ def test_a_hidden_unstable_mode_is_named_before_any_search(given):
     with pytest.raises(zoh.Infeasible, match=word) as refused:
         zoh.pi(plant, dt=0.1, **given)
     assert "turns it round" not in str(refused.value)
+    # no loop is stable: there is no margin of one, nor a crossover, nor a law
+    assert refused.value.best_pm_deg is refused.value.nearest_wc is None
+    assert refused.value.laws_that_can == ()
     assert zoh.pi(plant, dt=0.1, wc=5.0, allow=["cancelled_unstable_modes"]).met
 
 

@@ -43,8 +43,8 @@ def turns(low, high):
 #   45 deg; of the 41.4096 no more is offered than can be had
 # lead, a0 = 1: acos(a0 |G|) = 45 deg;  lag, a0 = 5: acos(sqrt 2/5) = 73.57 deg
 REFUSALS = [
-    (p.solve, {}, 60, sentence("a P", turns(0, 0), 60, "+15", 45)),
-    (p.solve, {}, 30, sentence("a P", turns(0, 0), 30, "-15", 45)),
+    (p.solve, {}, 60, sentence("a P", "turns the phase by nothing here", 60, "+15", 45)),
+    (p.solve, {}, 30, sentence("a P", "turns the phase by nothing here", 30, "-15", 45)),
     (pi_law.solve, {}, 60, sentence("a PI", turns("-90", 0), 60, "+15", 45)),
     (
         pid.solve,
@@ -298,12 +298,29 @@ def test_the_nearest_is_a_few_units_inside_where_the_first_seven_digits_do_not_w
     assert all(asked.count(w) == 1 for w in bad)  # a trial is a loop measured and proved
 
 
-def test_the_nearest_is_the_edge_itself_where_no_seven_digits_work():
+@pytest.mark.parametrize("away", [1, -1])
+def test_what_is_narrower_than_a_seventh_digit_is_offered_in_a_few_more(away):
+    """What works is 2e-8 to 4e-8 wide, beside 10 sqrt(2) = 14.14213562373095."""
+    low, high = 10 * sqrt(2) - 1e-8 * (away < 0), 10 * sqrt(2) + 4e-8 - 2e-8 * (away < 0)
+    wc = 13.0 if away > 0 else 15.0
+
+    def why_not(w):
+        return BELOW if w < low else ABOVE if w > high else ""
+
+    got = nearest(why_not, wc, 0.01)
+    assert low < got < high
+    # its width, 2e-8 or more, holds numbers of eleven digits, 1e-9 apart; none is given more
+    assert len(repr(got).replace(".", "")) <= 11
+    assert f"is {got!r} rad/s" in str(Infeasible("no", needed_deg=0.0, nearest_wc=got))
+
+
+def test_the_nearest_is_the_edge_itself_where_no_rounded_digits_work():
     asked = []
+    bad = {1.414214, 1.414215, 1.414217, 1.414224, 1.41421357, 1.4142135624, 1.414213562374}
 
     def why_not(w):
         asked.append(w)
-        return "" if sqrt(2) < w and w not in (1.414214, 1.414215, 1.414217, 1.414224) else "no"
+        return "" if sqrt(2) < w and w not in bad else "no"
 
     got = nearest(why_not, 1.0, 1.0)
     assert got == pytest.approx(sqrt(2), rel=1e-12)

@@ -1,7 +1,7 @@
 """A table is what was measured, between its points and nowhere else."""
 
 import pickle
-from math import pi, sqrt
+from math import inf, nan, pi, sqrt
 
 import numpy as np
 import pytest
@@ -82,6 +82,42 @@ def test_every_way_in_is_the_same_table():
         assert other.w == pytest.approx(plain.w, rel=1e-15)
         assert other.magnitude == pytest.approx(plain.magnitude, rel=1e-14)
         assert other.phase_deg == pytest.approx(plain.phase_deg, rel=1e-14)
+
+
+BODE = {"hz": [1, 10], "db": [20, 0], "phase_deg": [0, -90]}
+GAINS = {"w": [1, 2], "gain": [1, 1j]}
+
+
+@pytest.mark.parametrize(
+    ("way_in", "given", "told"),
+    [
+        ("bode", {"db": [nan, 0]}, "db must be finite, got nan: give one number for each row"),
+        ("bode", {"db": ["a", 0]}, "db must be numbers, got ['a', 0]: give one"),
+        ("bode", {"db": [1]}, "db must be 2 numbers, one per w, got (1,): complete"),
+        ("bode", {"db": [0, -1e5]}, "db[1] must be a gain in dB within +-6160, got -100000.0"),
+        ("bode", {"hz": [10, 1]}, "hz[1] must be above hz[0], got 1.0: sort"),
+        ("bode", {"hz": [-1, 10]}, "hz[0] must be above 0, got -1.0: mend"),
+        ("bode", {"hz": [1, inf]}, "hz must be finite, got inf: give one"),
+        ("bode", {"hz": [1, 1e308]}, "hz[1] must be at most 1e+307 Hz, got 1e+308: leave"),
+        ("bode", {"hz": [1]}, "hz must have two points or more, got [1.0]: measure"),
+        ("bode", {"phase_deg": ["a", 0]}, "phase_deg must be numbers, got ['a', 0]: give one"),
+        ("bode", {"dt": 0.1}, "hz must not go beyond the Nyquist frequency 1/(2 dt) = 5 Hz"),
+        ("complex", {"gain": [1]}, "gain must be 2 numbers, one per w, got (1,): complete"),
+        ("complex", {"gain": [1, 0]}, "gain[1] must have a size above 0 that a 64-bit float can"),
+        ("complex", {"w": [2, 1]}, "w[1] must be above w[0], got 1.0: sort"),
+    ],
+)  # fmt: skip
+def test_a_column_is_spoken_of_as_it_was_given(way_in, given, told):
+    ways = {"bode": FrequencyResponse.from_bode, "complex": FrequencyResponse.from_complex}
+    columns = {**(BODE if way_in == "bode" else GAINS), **given}
+    with pytest.raises(SpecError) as refused:
+        ways[way_in](**columns)
+    assert str(refused.value).startswith(told)
+
+
+def test_a_bode_table_may_end_at_nyquists_frequency():
+    """10 Hz at dt = 0.05 s is 1/(2 dt)."""
+    assert FrequencyResponse.from_bode(**BODE, dt=0.05).reaches_nyquist
 
 
 def test_phase_may_be_wrapped_in_any_way():

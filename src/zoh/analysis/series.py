@@ -49,7 +49,7 @@ def clock(systems: tuple[System, ...]) -> float | None:
     times: list[float | None] = []
     for system in systems:
         if not isinstance(system, (Plant, Sampled)):
-            raise SpecError("L", "must be a zoh.Plant or zoh.Sampled", system, "make one first")
+            raise SpecError("loop", "must be a zoh.Plant or zoh.Sampled", system, "make one first")
         times.append(system.dt if isinstance(system, Sampled) else None)
         if times[-1] != times[0]:
             raise SpecError(
@@ -73,7 +73,7 @@ def wholes(system: System) -> tuple[Whole, Whole, int, float]:
 def out_of_range(coefficients: object) -> SpecError:
     """Return the error of a loop whose gains leave the range of a float."""
     return SpecError(
-        "L",
+        "loop",
         "must have gains that a 64-bit float can hold",
         coefficients,
         "use other units for the signals or for time",

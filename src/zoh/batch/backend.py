@@ -103,7 +103,7 @@ def choose(job: Job, loops: int, name: str | None = None) -> Choice:
 def named(name: str) -> Way:
     """Return the way of this name; raise SpecError where there is none."""
     for way in WAYS:
-        if way.name == name:
+        if isinstance(name, str) and way.name == name:
             return way
     known = ", ".join(way.name for way in WAYS)
     raise SpecError("arithmetic", f"must be one of {known}", name, "choose one, or leave it out")

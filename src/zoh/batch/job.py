@@ -95,15 +95,19 @@ class Job:
         return {"dt": None, **self.clock, **law, **sources.nominal(self.plant)}
 
     def _check_law(self) -> None:
-        if self.law not in (*LAWS, GIVEN):
+        if not isinstance(self.law, str) or self.law not in (*LAWS, GIVEN):
             way_out = "choose one of these"
             names = ", ".join((*LAWS, GIVEN))
             raise SpecError("law", f"must be one of {names}", self.law, way_out)
-        if (self.law == GIVEN) != isinstance(self.controller, Sampled):
+        fits = isinstance(self.controller, Sampled) or self.controller is None
+        if not fits or (self.law == GIVEN) != (self.controller is not None):
             way_out = 'law="given" takes a zoh.Sampled as controller, the other laws take none'
             raise SpecError("controller", "must fit the law", self.controller, way_out)
 
     def _checked_asked(self) -> Gains:
+        if not isinstance(self.asked, Mapping):
+            way_out = '{"pm_deg": 50}, each parameter that does not vary'
+            raise SpecError("asked", "must name the law's parameters", self.asked, way_out)
         if self.law == GIVEN:
             if self.asked:
                 raise SpecError("asked", "must be left out", dict(self.asked), "nothing is solved")

@@ -130,7 +130,7 @@ def _candidates(
     """Return the design on the plant as it stands, with all that is given to vary."""
     return Job(
         plant=plant, law=law, dt=dt, compute_delay=compute_delay, reference=reference,
-        sections=tuple(sections), varying=tuple(given),
+        sections=sections, varying=tuple(given),
     )  # fmt: skip
 
 

@@ -161,7 +161,7 @@ def as_space(over: object) -> Space:
         if any(isinstance(values, Spread) for values in over.values()):
             way_out = "zoh.Random(spreads=..., count=...) draws from them, zoh.corners has the ends"
             raise SpecError("over", "must have lists of values", dict(over), way_out)
-        return Grid(axes=over)
+        return Grid(axes=_columns("over", over))
     way_out = 'such as {"wc": [1, 2, 3]}, zoh.Random(...), zoh.Rows(...) or zoh.corners(...)'
     raise SpecError("over", "must say what varies", over, way_out)
 

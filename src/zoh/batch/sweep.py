@@ -59,6 +59,8 @@ def sweep(
     space = as_space(over)
     if dt is None and "dt" not in space.keys and isinstance(controller, Sampled):
         dt = controller.dt
+    if given is not None and not isinstance(given, Mapping):
+        raise SpecError("given", "must name the law's parameters", given, '{"pm_deg": 50}')
     job = Job(
         plant=plant, law=law, asked=given or {}, controller=controller, dt=dt,
         compute_delay=compute_delay, reference=reference, sections=sections,

@@ -17,7 +17,7 @@ from zoh.choice.before import why_never
 from zoh.choice.fastest import Edge, Search, Trial, least_ms
 from zoh.choice.judge import Judge
 from zoh.design.p import crossovers
-from zoh.design.target import seven_digits
+from zoh.design.target import in_digits, in_more_digits
 from zoh.errors import Infeasible
 from zoh.lti.systems import Sampled
 from zoh.request import AUTO, NEGATIVE_GAINS, Progress
@@ -232,10 +232,13 @@ def _elsewhere(
             found.append((best.wc, search))
             break
     nearest = min(found, key=lambda spot: abs(log(spot[0] / given["wc"])), default=None)
-    return None if nearest is None else _in_seven_digits(*nearest, given["wc"])
+    return None if nearest is None else _printed(*nearest, given["wc"])
 
 
-def _in_seven_digits(wc: float, search: Search, given: float) -> float:
-    """Return a crossover as it is printed, if all is met there, too; else as it was found."""
-    printed = seven_digits(wc, 1 if wc > given else -1)
-    return printed if search.at(printed).met else wc
+def _printed(wc: float, search: Search, given: float) -> float:
+    """Return a crossover as it is printed, in the digits with which all is met there, too."""
+    away = 1 if wc > given else -1
+    printed = in_digits(wc, away)
+    if search.at(printed).met:
+        return printed
+    return in_more_digits(lambda w: search.at(w).met, wc, away)

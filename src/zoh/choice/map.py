@@ -94,9 +94,9 @@ def law_map(
         raise SpecError("plant", "must be a zoh.Plant", plant, "a table has no map")
     if not isinstance(law, str) or law not in MAPPED:
         raise SpecError("law", f"must be one of {', '.join(MAPPED)}", law, "choose one of these")
-    across, up = (checks.whole("points", n, 2, "two numbers of points") for n in points)
+    across, up = _grid(points)
     words = allowed(allow)
-    fixed = _fixed(law, given or {}, words)
+    fixed = _fixed(law, {} if given is None else given, words)
     weights = {name: fixed.pop(name) for name in WEIGHTS if name in fixed}
     asked = checked(Requirements() if requirements is None else requirements)
     asked = ASSUMED if nothing_asked(asked) else asked
@@ -135,10 +135,21 @@ def _best(judge: Judge, freedom: Freedom | None) -> Judgement | None:
 
 
 def _fixed(law: str, given: Mapping[str, float], words: frozenset[str]) -> dict[str, float]:
+    found = checked_parameters(law, given, words)
     for name, value in given.items():
         if name in OF_AUTO or name in UNDER_MS:
             raise SpecError(name, f"is no parameter of a map of {law}", value, "leave it out")
-    return checked_parameters(law, given, words)
+    return found
+
+
+def _grid(points: object) -> tuple[int, int]:
+    """Return the two numbers of points, checked."""
+    way_out = "two numbers of points"
+    counts = checks.sequence("points", points, way_out)
+    if len(counts) != 2:
+        raise SpecError("points", "must be two numbers", counts, "crossovers, margins: (40, 24)")
+    across, up = (checks.whole("points", n, 2, way_out) for n in counts)
+    return across, up
 
 
 def _crossovers(sampled: Sampled, count: int) -> Array:

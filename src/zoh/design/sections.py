@@ -77,6 +77,7 @@ def notch(*, w0: float, depth: float = 0.1, width: float = 1.0) -> SecondOrder:
     depth = checks.not_negative("depth", depth, "give the gain at w0")
     if not depth < 1:
         raise SpecError("depth", "must be below 1", depth, "a notch takes away")
+    w0 = checks.positive("w0", w0, "give the frequency to be silenced in rad/s")
     width = checks.positive("width", width, "give the width as a share of w0")
     return SecondOrder(zeros_w0=w0, zeros_zeta=depth * width / 2, poles_w0=w0, poles_zeta=width / 2)
 

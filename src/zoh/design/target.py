@@ -29,6 +29,8 @@ _STEP, _TURN = 0.03, 0.02  # of a frequency, and rad a sample: between two that 
 _LEAST = 8e-4  # of wc: the slowest that is tried
 _HALVINGS, _FEW = 40, 10  # of a step: where a phase is passed, and where a loop has to be measured
 _INWARDS = (0, 1, 3, 10)  # units of the seventh digit: where what is printed must work
+_MORE = (9, 11, 13)  # digits, where seven do not: what works may be narrower than their last unit
+_NONE = 1e-9  # rad, a phase that is none
 BELOW, ABOVE = "the phase needed is below what it gives", "the phase needed is above what it gives"
 
 Phases = tuple[float, float] | None  # an open interval in rad, None where a law can give nothing
@@ -114,7 +116,7 @@ def _refuse_no_gain(plant: Sampled, wc: float, v: float) -> None:
 def refusal(law: str, target: Target, spec: Crossover, phases: Phases, why: str) -> Infeasible:
     """Return why a law cannot: the phases it gives, or ``why`` none, and what is needed."""
     needed = degrees(target.theta)
-    gives = why if phases is None else f"turns the phase by {_span(phases)} deg here"
+    gives = why if phases is None else f"turns the phase by {_span(phases)} here"
     asked = f"a margin of {spec.pm_deg:g} deg at {spec.wc:g} rad/s needs {needed:+.4g} deg"
     return Infeasible(
         f"{law} {gives}; {asked} and a gain of {1 / target.size:.4g}",
@@ -126,7 +128,11 @@ def refusal(law: str, target: Target, spec: Crossover, phases: Phases, why: str)
 
 
 def _span(phases: tuple[float, float]) -> str:
-    return " to ".join(f"{degrees(end):+.4g}" if abs(end) > 1e-9 else "0" for end in phases)
+    """Return the phases in words; of a P, which has one of them but for rounding, that one."""
+    ends = [f"{degrees(end):+.4g}" if abs(end) > _NONE else "0" for end in phases]
+    if phases[1] - phases[0] > _NONE:
+        return f"{ends[0]} to {ends[1]} deg"
+    return f"{ends[0]} deg" if ends[0] != "0" else "nothing"
 
 
 def nearest(why_not: Callable[[float], str], wc: float, dt: float, late: int = 0) -> float | None:
@@ -187,7 +193,7 @@ def _edge(works: Callable[[float], bool], bad: float, good: float) -> float:
     away = 1 if good > bad else -1
     known = False
     for _ in range(40):
-        if not known and seven_digits(good, away) == seven_digits(bad, away):  # all between, too
+        if not known and in_digits(good, away) == in_digits(bad, away):  # all between, too
             known = True
             printed = _printed(works, good, away)
             if printed is not None:
@@ -198,7 +204,13 @@ def _edge(works: Callable[[float], bool], bad: float, good: float) -> float:
         else:
             bad = middle
     printed = None if known else _printed(works, good, away)
-    return good if printed is None else printed
+    return in_more_digits(works, good, away) if printed is None else printed
+
+
+def in_more_digits(works: Callable[[float], bool], good: float, away: int) -> float:
+    """Return what works, in as few digits above seven as it does; all of them where none do."""
+    rounded = (in_digits(good, away, digits=digits) for digits in _MORE)
+    return next(filter(works, rounded), good)
 
 
 def _printed(works: Callable[[float], bool], good: float, away: int) -> float | None:
@@ -207,20 +219,20 @@ def _printed(works: Callable[[float], bool], good: float, away: int) -> float | 
     Right at the edge a loop may be had by luck: rounding decides there.
     """
     for units in _INWARDS:
-        w = seven_digits(good, away, units)
+        w = in_digits(good, away, units)
         if works(w):
             return w
     return None
 
 
-def seven_digits(w: float, away: int, units: int = 0) -> float:
-    """Return w in seven digits, rounded up where ``away`` is 1 and down where it is -1.
+def in_digits(w: float, away: int, units: int = 0, digits: int = 7) -> float:
+    """Return w in some digits, rounded up where ``away`` is 1 and down where it is -1.
 
-    units  of the seventh digit, that many farther
+    units  of the last digit, that many farther
 
-    >>> seven_digits(1.23456789, 1), seven_digits(1.23456789, -1, 2)
-    (1.234568, 1.234565)
+    >>> in_digits(1.23456789, 1), in_digits(1.23456789, -1, 2), in_digits(1.23456789, 1, digits=3)
+    (1.234568, 1.234565, 1.24)
     """
-    unit = 10.0 ** (floor(log10(w)) - 6)
+    unit = 10.0 ** (floor(log10(w)) + 1 - digits)
     whole = ceil(w / unit) if away > 0 else floor(w / unit)
-    return float(f"{(whole + away * units) * unit:.7g}")
+    return float(f"{(whole + away * units) * unit:.{digits}g}")

@@ -20,6 +20,8 @@ from zoh.lti.poly import ComplexArray
 from zoh.lti.systems import Plant, Sampled, sample_time
 
 AMBIGUOUS_DEG = 120.0  # a turn between neighbours: the other way round would be 240 or less
+_MOST_DB = 6160.0  # 1e308: beyond it, or below its opposite, a gain is no float's
+_MOST_HZ = 1e307  # beyond it rad/s are no float's
 _AT_NYQUIST = 1e-9  # relative: k 2 pi/(N dt) comes out this near to pi/dt, and nothing else does
 
 
@@ -60,13 +62,7 @@ class FrequencyResponse:
 
     def __post_init__(self) -> None:
         put = object.__setattr__
-        w = checks.column("w", self.w, above=0.0)
-        if len(w) < 2:
-            raise SpecError("w", "must have two points or more", w.tolist(), "measure more")
-        wrong = np.flatnonzero(np.diff(w) <= 0)
-        if wrong.size:
-            i = int(wrong[0]) + 1
-            raise SpecError(f"w[{i}]", f"must be above w[{i - 1}]", float(w[i]), "sort the rows")
+        w = checks.ascending("w", self.w)
         magnitude = checks.column("magnitude", self.magnitude, len(w), above=0.0)
         phase = np.unwrap(checks.column("phase_deg", self.phase_deg, len(w)), period=360.0)
         put(self, "w", w)
@@ -94,10 +90,19 @@ class FrequencyResponse:
         >>> FrequencyResponse.from_complex(w=[1, 2], gain=[-1j, -0.5j]).phase_deg.tolist()
         [-90.0, -90.0]
         """
-        value = np.atleast_1d(checks.complex_gains("gain", gain))
+        value, w = np.atleast_1d(checks.complex_gains("gain", gain)), checks.ascending("w", w)
+        if value.shape != w.shape:
+            bound = f"must be {len(w)} numbers, one per w"
+            raise SpecError("gain", bound, value.shape, "complete the rows")
+        with np.errstate(over="ignore"):
+            size = np.abs(value)
+        wrong = np.flatnonzero((size == 0) | ~np.isfinite(size))
+        if wrong.size:
+            i, bound = int(wrong[0]), "must have a size above 0 that a 64-bit float can hold"
+            raise SpecError(f"gain[{i}]", bound, complex(value[i]), "mend this row or leave it out")
         return cls(
-            w=np.atleast_1d(checks.frequencies("w", w)),
-            magnitude=np.abs(value),
+            w=w,
+            magnitude=size,
             phase_deg=np.degrees(np.angle(value)),
             dt=dt,
             uncertainty=uncertainty,
@@ -114,13 +119,22 @@ class FrequencyResponse:
         >>> FrequencyResponse.from_bode(hz=[1, 10], db=[20, 0], phase_deg=[0, -90]).magnitude
         array([10.,  1.])
         """
-        with np.errstate(over="ignore"):  # what overflows is refused as not finite
-            w = tau * np.atleast_1d(checks.frequencies("hz", hz))
-            magnitude = 10 ** (np.atleast_1d(checks.frequencies("db", db)) / 20)
+        f = checks.ascending("hz", hz)
+        if f[-1] > _MOST_HZ:
+            bound = f"must be at most {_MOST_HZ:g} Hz"
+            raise SpecError(f"hz[{len(f) - 1}]", bound, float(f[-1]), "leave this row out")
+        if dt is not None:
+            _below_nyquist("hz", f, 0.5 / sample_time(dt), "1/(2 dt)", "Hz")
+        level = checks.column("db", db, len(f))
+        beyond = np.flatnonzero(np.abs(level) > _MOST_DB)
+        if beyond.size:
+            i = int(beyond[0])
+            bound = f"must be a gain in dB within +-{_MOST_DB:g}"
+            raise SpecError(f"db[{i}]", bound, float(level[i]), "mend this row or leave it out")
         return cls(
-            w=w,
-            magnitude=magnitude,
-            phase_deg=np.atleast_1d(checks.frequencies("phase_deg", phase_deg)),
+            w=tau * f,
+            magnitude=10 ** (level / 20),
+            phase_deg=checks.column("phase_deg", phase_deg, len(f)),
             dt=dt,
             uncertainty=uncertainty,
             unstable_poles=unstable_poles,
@@ -195,6 +209,9 @@ class FrequencyResponse:
             raise SpecError("gain", "must not be 0", gain, "a response of 0 is no response")
         with np.errstate(over="ignore"):  # what overflows is refused as not finite
             magnitude = abs(k) * self.magnitude
+        if not np.isfinite(magnitude).all() or not magnitude.all():
+            bound = "must leave gains that a 64-bit float can hold"
+            raise SpecError("gain", bound, gain, "use other units")
         return FrequencyResponse(
             w=self.w, magnitude=magnitude,
             phase_deg=self.phase_deg - (180.0 if k < 0 else 0.0), dt=self.dt,
@@ -272,11 +289,16 @@ class TabledLoop:
 def _clock(dt: Any, w: Array) -> float:
     """Return dt in s; raise SpecError where a point lies above Nyquist's frequency."""
     clock = sample_time(dt)
-    if float(w[-1]) * clock > pi * (1 + _AT_NYQUIST):
+    _below_nyquist("w", w, pi / clock, "pi/dt", "rad/s")
+    return clock
+
+
+def _below_nyquist(name: str, column: Array, top: float, formula: str, unit: str) -> None:
+    """Raise SpecError where a frequency is above Nyquist's, ``top``, in its unit."""
+    if float(column[-1]) > top * (1 + _AT_NYQUIST):
         raise SpecError(
-            "w",
-            f"must not go beyond the Nyquist frequency pi/dt = {pi / clock:.6g} rad/s",
-            float(w[-1]),
+            name,
+            f"must not go beyond the Nyquist frequency {formula} = {top:.6g} {unit}",
+            float(column[-1]),
             "leave those rows out: they repeat the ones below",
         )
-    return clock

@@ -40,19 +40,17 @@ def check_fraction(num: Poly, den: Poly, variable: str) -> None:
 
 def _check_order(num: Poly, den: Poly, variable: str) -> None:
     """Raise SpecError where den has too many coefficients to work with, or too much delay."""
-    why = "the digits of a float hold no polynomial beyond"
+    bound = f"must have order {MAX_ORDER} or less"
     if variable == "s":
-        bound = f"must have order {MAX_ORDER} or less ({why})"
         raise SpecError("den", bound, len(den) - 1, "reduce the model first")
     delay = delay_at_zero(num, den)
     if delay > MOST_DELAY:
-        bound = f"must be {MOST_DELAY} samples of delay or fewer"
-        raise SpecError("den", bound, delay, "sample more slowly")
+        few = f"must be {MOST_DELAY} samples of delay or fewer"
+        raise SpecError("den", few, delay, "sample more slowly")
     if len(den) - 1 - delay > MAX_ORDER:
-        raise SpecError(
-            "den", f"must have order {MAX_ORDER} or less besides its delay ({why})",
-            len(den) - 1 - delay, "reduce the model, or multiply systems of lower order, a * b",
-        )  # fmt: skip
+        why = "the digits of a float hold no polynomial beyond"
+        way_out = "reduce the model, or multiply systems of lower order, a * b"
+        raise SpecError("den", f"{bound} besides its delay ({why})", len(den) - 1 - delay, way_out)
 
 
 def paired(name: str, values: Any) -> list[complex]:

@@ -66,7 +66,7 @@ class Joint:
                 continue
             check = checks.positive if field.name in _ABOVE_ZERO else checks.not_negative
             object.__setattr__(self, field.name, check(field.name, value))
-        if self.output not in OUTPUTS:
+        if not isinstance(self.output, str) or self.output not in OUTPUTS:
             raise SpecError(
                 "output", f"must be one of {', '.join(OUTPUTS)}", self.output, "choose one"
             )
