@@ -371,3 +371,30 @@ def test_a_slower_clock_slows_the_times_and_nothing_else(a, kp, power):
     assert slow.settling_time == pytest.approx(one.settling_time * c, rel=REL)
     assert slow.overshoot_pct == pytest.approx(one.overshoot_pct, rel=REL, abs=1e-9)
     assert slow.peak_effort == pytest.approx(one.peak_effort, rel=REL)
+
+
+@pytest.mark.parametrize(
+    ("system", "final"),
+    [
+        (Sampled(num=[5.0], den=[6.0], dt=1.0), 5 / 6),  # a gain of 5 in closed loop
+        (Plant(num=[5], den=[6]), 5 / 6),
+        (Sampled(num=[0.2, 0.3, 0.5], den=[1.0, 0.0, 0.0, 0.0], dt=1.0), 1.0),  # there from 3 s on
+        (Sampled(num=[0.5], den=[1.0, -0.5], dt=1.0), 1.0),  # 1 - 0.5^k, for ever below
+    ],
+)
+def test_what_never_passes_its_final_value_has_no_peak_time(system, final):
+    info = step_info(system)
+    assert (info.peak_time, info.overshoot_pct) == (None, 0.0)
+    assert info.peak == info.final_value == pytest.approx(final, rel=1e-15)
+
+
+def test_a_loop_is_closed_as_the_readme_says():
+    plant, controller = (
+        Plant(num=[1], den=[1, 1]),
+        Sampled(num=[2.0, -1.5], den=[1.0, -1.0], dt=0.1),
+    )
+    loop = controller * sample(plant, 0.1)
+    closed = Sampled(num=loop.num, den=np.polyadd(loop.den, loop.num), dt=loop.dt)
+    told, measured = step_info(closed), measure(plant, controller).step
+    for name in ("peak", "peak_time", "rise_time", "settling_time", "final_value"):
+        assert getattr(told, name) == pytest.approx(getattr(measured, name), rel=1e-12)

@@ -120,9 +120,10 @@ class StepInfo:
     peak_effort_time    s, when that is; None where it is only approached
     effort_range        the least and the largest u; None for a bare T
 
-    What does not exist is None: a percentage of a final value of 0; the peak time of a response
-    that creeps up to its final value; the settling time of one that may leave its band
-    after the horizon.
+    What does not exist is None: a percentage of a final value of 0; the settling time of a response
+    that may leave its band after the horizon; the peak time of one that never passes its final
+    value by more than 1e-10 of it, whether it creeps up to that for ever or is there from a sample
+    on (a static gain, a deadbeat loop): of such the peak is the final value.
     """
 
     stable: bool = True
