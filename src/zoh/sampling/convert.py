@@ -46,8 +46,10 @@ def discretise(system: Plant, dt: float, method: str, prewarp: float | None = No
              'prewarp' and 'tustin'
 
     Dead time: any for zoh, foh and impulse; a whole number of samples, which become z^-m, for
-    the others. A fraction of dt in foh makes the order one higher. Coefficients are right to
-    their last digit in z and in w, at every dt.
+    the others. Whole samples are z^-m behind the system without them, num as it was: impulse and
+    backward have zeros at z = 0, so that num and den may both end in zeros, and the way back
+    knows which is which. A fraction of dt in foh makes the order one higher. Coefficients are
+    right to their last digit in z and in w, at every dt.
     Raises SpecError for an unknown method, for numbers out of range and for what a method
     cannot do: feedthrough in impulse, a pole that a difference rule sends to infinity, a dt at
     which no float is small enough for the numerator.
