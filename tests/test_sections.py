@@ -96,7 +96,10 @@ def pair(**changed):
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: zoh.notch(w0=0.0), "zeros_w0 must be above 0, got 0.0: give a number above zero"),
+        (
+            lambda: zoh.notch(w0=0.0),
+            "w0 must be above 0, got 0.0: give the frequency to be silenced in rad/s",
+        ),
         (
             lambda: zoh.notch(w0=1.0, depth=1.0),
             "depth must be below 1, got 1.0: a notch takes away",

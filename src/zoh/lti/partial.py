@@ -51,7 +51,7 @@ def paired_terms(residues: Any, poles: Any) -> list[Term]:
                 f"give {residue.conjugate()} to {pole.conjugate()}, power {power}",
             )
         if pole.imag >= 0:
-            mean = complex((residue.real + other.real) / 2, (residue.imag + other.imag) / 2)
+            mean = residue / 2 + other / 2  # their sum may be no float
             terms.append(Term(residue=mean, pole=pole, power=power))
     return terms
 
