@@ -15,11 +15,11 @@ from random import Random
 import numpy as np
 
 import zoh
+from zoh.lti.forms import RINGS
 from zoh.spec import Requirements
 
 FASTER = 1.001  # what is faster by less does not count
 SLOWEST = 0.1  # of wc: the slowest zero that a choice may have, as docs/choice.md says
-RINGS = 3.0  # times 2/dt: a lead's pole beyond is chosen where nothing else does, as it says, too
 _FASTER = (1.0011, 1.002, 1.004, 1.008, 1.015, 1.03, 1.06, 1.12, 1.25, 1.5, 2.0, 3.0)
 _MARGINS = range(4, 100, 4)  # deg
 _FREE = np.geomspace(1e-3, 1e3, 25)  # of the law's gain at wc

@@ -121,7 +121,7 @@ def advised(
                 reason(name, at, {**free, **wanted}, also)
                 for free in _free(name, sampled, at, wanted)
             )
-        except (SpecError, OverflowError):  # the last one in what is tried
+        except (SpecError, ArithmeticError):  # the last one in what is tried
             return "its gains are beyond a float"
 
     def works(name: str, at: Crossover, also: frozenset[str] = allow) -> bool:

@@ -132,6 +132,8 @@ def test_what_is_missed_names_the_mode():
         # s^2 + 20 s + 101: -10 +- j has died by the next sample
         ([1, 20, 101], pi, ()),
         ([1, 3, 2], 100.0, ()),  # real poles are like no others
+        # (s^2 + 1)^2: one mode, twice
+        ([1, 0, 2, 0, 1], pi, ("the mode at 1 rad/s: w dt is pi but for",)),
     ],
 )
 def test_the_modes_that_are_named(den, dt, said):

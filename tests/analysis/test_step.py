@@ -394,7 +394,7 @@ def test_a_loop_is_closed_as_the_readme_says():
         Sampled(num=[2.0, -1.5], den=[1.0, -1.0], dt=0.1),
     )
     loop = controller * sample(plant, 0.1)
-    closed = Sampled(num=loop.num, den=np.polyadd(loop.den, loop.num), dt=loop.dt)
+    closed = Sampled.from_w(num_w=loop.num_w, den_w=np.polyadd(loop.den_w, loop.num_w), dt=loop.dt)
     told, measured = step_info(closed), measure(plant, controller).step
     for name in ("peak", "peak_time", "rise_time", "settling_time", "final_value"):
         assert getattr(told, name) == pytest.approx(getattr(measured, name), rel=1e-12)

@@ -8,7 +8,7 @@ import pytest
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import glance, margins, measure_loop
 from zoh.analysis.nyquist import closed_loop_stable, nearest_crossing
-from zoh.analysis.verify import verify
+from zoh.analysis.verify import measure, verify
 from zoh.errors import AccuracyWarning, NotMet
 from zoh.lti.systems import Plant, Sampled
 from zoh.spec import Requirements
@@ -86,3 +86,11 @@ def test_rounded_coefficients_that_touch_are_in_doubt():
         found = margins(Sampled(num=[0.3, 0.0, -0.3], den=[1.0, 0.0, 0.4], dt=1.0))
     assert found.phase_margin_deg == pytest.approx(180)
     assert found.crossover == pytest.approx(acos(0.0), rel=1e-12)
+
+
+def test_a_rounded_gain_that_touches_is_in_doubt():
+    """1.5 times a third is 1/2 but for a rounding."""
+    third = Plant(num=[1.0], den=[3.0])
+    comb_of_3 = Sampled(num=[1.5, 0.0, -1.5], den=[1.0, 0.0, 0.0, 0.0], dt=1.0)
+    with pytest.warns(AccuracyWarning, match="may pass through 1 beside 1.5708 rad/s or not"):
+        measure(third, comb_of_3)

@@ -16,7 +16,7 @@ from zoh.spec import Crossover
 
 ARM = zoh.Plant(num=[2.3], den=[1, 0.7809, 0], sensor=12 / 180)
 MOTOR = zoh.Plant(num=[1], den=[1, 1, 0])
-RINGS = "without a pole that rings at every sample nothing meets everything"
+RINGS = "no lead without a pole that rings at every sample meets everything"
 
 
 def fastest(d):
@@ -52,7 +52,7 @@ def test_nothing_chosen_rings_where_all_can_be_had_without(law, given):
     d = zoh.design(ARM, law, given, dt=0.1)
     assert fastest(d) <= 6 / 0.1
     assert all(pole.real >= -0.5 - 1e-9 for pole in np.roots(d.controller.den))
-    assert RINGS not in d.choice.notes
+    assert not any("that rings" in note for note in d.choice.notes)
 
 
 def test_what_can_only_be_had_with_a_ringing_pole_is_and_says_so():
@@ -64,19 +64,36 @@ def test_what_can_only_be_had_with_a_ringing_pole_is_and_says_so():
     assert f"NOTE: wp = {d.gains['wp']:g} is far above 2/dt = 20: its pole at z = -0." in d.report()
 
 
+def test_the_nearest_crossover_may_need_a_ringing_pole():
+    """A calm lead meets this up to 0.154 rad/s, a ringing one up to 0.2116."""
+    asked = {"dt": 0.1, "requirements": zoh.Requirements(ms=1.01, pm_deg=60)}
+    with pytest.raises(zoh.Infeasible) as refused:
+        zoh.lead(MOTOR, wc=1, **asked)
+    there = zoh.lead(MOTOR, wc=refused.value.nearest_wc, **asked)
+    assert fastest(there) > 6 / 0.1
+    with pytest.raises(zoh.Infeasible):
+        zoh.lead(MOTOR, wc=1.02 * refused.value.nearest_wc, **asked)
+
+
 def test_auto_takes_no_ringing_lead_where_a_later_law_does_without():
-    """On a double integrator P, PI and lag are unstable; a Ms below the calm lead's is a PID's."""
+    best = zoh.lead(MOTOR, dt=0.1, wc=1, pm_deg=60).margins.ms
+    asked = zoh.Requirements(ms=best - 1e-3)
+    d = zoh.design(MOTOR, "auto", {"wc": 1, "pm_deg": 60}, dt=0.1, requirements=asked)
+    assert d.law == "pid"
+    assert "lead" in dict(d.choice.tried)
+    assert not any("that rings" in note for note in d.choice.notes)
+
+
+def test_auto_takes_a_ringing_lead_where_no_other_law_does():
+    """On a double integrator P, PI and lag are unstable."""
     plant = zoh.Plant(num=[1], den=[1, 0, 0])
     ms = [zoh.design(plant, n, {"wc": 1, "pm_deg": 60}, dt=0.1).margins.ms for n in ("pd", "lead")]
     asked = zoh.Requirements(ms=min(ms) - 1e-3)
     d = zoh.design(plant, "auto", {"wc": 1, "pm_deg": 60}, dt=0.1, requirements=asked)
-    tried = dict(d.choice.tried)
-    assert d.law not in tried
-    if d.law == "lead":  # nothing after it did
-        assert list(tried) == ["p", "pi", "pd", "lag", "pid", "leadlag"]
-        assert RINGS in d.choice.notes
-    else:
-        assert "lead" in tried
+    assert d.law == "lead"
+    assert fastest(d) > 6 / 0.1
+    assert list(dict(d.choice.tried)) == ["p", "pi", "pd", "lag", "pid", "leadlag"]
+    assert RINGS in d.choice.notes
 
 
 def test_no_lead_that_does_not_ring_is_left_out():
@@ -131,10 +148,14 @@ def test_a_given_controllers_pole_is_noted(den, told):
 
 
 def test_a_law_and_its_sections_are_noted_once_each():
-    d = zoh.pd(ARM, dt=0.1, wc=2.0, pm_deg=45, filter_pole=380.0)
-    said = [line for line in d.report().splitlines() if "rings" in line]
+    """Two poles of a section at w = -20 tan(30 0.1/2) each: at z = (1 - tan 1.5)/(1 + tan 1.5)."""
+    section = zoh.SecondOrder(zeros_w0=28.0, zeros_zeta=0.5, poles_w0=30.0, poles_zeta=1.0)
+    d = zoh.pd(ARM, dt=0.1, wc=0.5, pm_deg=70, filter_pole=380.0, sections=[section])
+    said = [line.removeprefix("  NOTE: ") for line in d.report().splitlines() if "rings" in line]
     named = "filter_pole = 380 is far above 2/dt = 20: its pole at z = -0.9 rings at every sample"
-    assert said == [f"  NOTE: {named}"]
+    z = (1 - tan(1.5)) / (1 + tan(1.5))
+    other = f"a pole of the controller at z = {z:.4g} rings at every sample"
+    assert said == [named, other, other]
 
 
 def test_a_ringing_pole_is_noted_on_a_table_too():
@@ -142,6 +163,8 @@ def test_a_ringing_pole_is_noted_on_a_table_too():
     seen = zoh.sample(MOTOR, 0.1).at(w)
     angle = np.degrees(np.unwrap(np.angle(seen)))
     table = zoh.FrequencyResponse(w=w, magnitude=np.abs(seen), phase_deg=angle, dt=0.1)
-    d = zoh.lead(table, dt=0.1, wc=1, pm_deg=60, dc_gain=1.3464634761621115)
-    named = f"wp = {d.gains['wp']:g} is far above 2/dt = 20: its pole at z = -0.98"
+    d = zoh.lead(table, dt=0.1, wc=1, pm_deg=60, dc_gain=1.34)
+    z = (1 - d.gains["wp"] / 20) / (1 + d.gains["wp"] / 20)
+    assert z < -0.5
+    named = f"wp = {d.gains['wp']:g} is far above 2/dt = 20: its pole at z = {z:.4g} rings"
     assert f"note: {named}" in d.report()

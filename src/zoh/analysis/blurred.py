@@ -52,7 +52,7 @@ def is_blurred(loop: Loop, found: Margins, near: Sequence[float]) -> bool:
 
 def blurs(loop: Loop, found: Margins) -> tuple[str, ...]:
     """Return a sentence on the margins that may be off by a millionth or more; () is none."""
-    if loop.given:
+    if loop.exact_but_for_gains:
         return ()
     said = []
     w, off = _worst(loop, found.gain_crossings, turning=True)

@@ -72,6 +72,11 @@ class Loop:
         """
         return not self.made
 
+    @property
+    def exact_but_for_gains(self) -> bool:
+        """Return whether what a hold has made of it is gains alone, so that all roots are exact."""
+        return all(len(s.den_w) == 1 for s in self.made)
+
     def finer(self) -> "Loop":
         """Return the loop with more digits of what a hold made; itself where no more are known."""
         finer = [s.finer if isinstance(s, Sampled) else s for s in self.factors]

@@ -102,11 +102,11 @@ def phase_crossings(
 def touches(loop: Loop, a: Whole, passed: Sequence[float]) -> list[Point]:
     """Return every q = v^2 at which a polynomial is 0 and keeps its sign.
 
-    Only of a loop all of whose coefficients are exact: what a hold has rounded says of no two
-    roots that they are one. Descartes' rule, with the roots where it passes, says mostly that
-    there are none.
+    Only of a loop all of whose coefficients are exact, but for gains: what a hold has rounded says
+    of no two roots that they are one. Descartes' rule, with the roots where it passes, says mostly
+    that there are none.
     """
-    if any(len(s.den_w) > 1 for s in loop.made) or signs.variations(a) < len(passed) + 2:
+    if not loop.exact_but_for_gains or signs.variations(a) < len(passed) + 2:
         return []
     return signs.even_roots(a)
 

@@ -145,7 +145,7 @@ class Motion:
         rates = self.rates()
         slowest = max(min(rates, default=(inf, inf))[0], _SLOWEST)
         end = max(8, ceil(-log(QUIET) / slowest) + 4 * len(self.delta))
-        ks, zs, k, z, shown, left, passed = [], [], 0, self.start, 0, False, end
+        ks, zs, k, z, shown, left = [], [], 0, self.start, 0, False
         while k <= end and shown < _MOST:
             alone, doublings, until = _pace(rates, k, end)
             stride = 1 << doublings

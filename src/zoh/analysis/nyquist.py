@@ -3,13 +3,14 @@
 Both follow from where |L| passes through 1, and there no delay has a say. Between two such places
 L is all the way inside the unit circle, or outside: 1 + L there turns by less than half a turn, or
 1 + 1/L does, and num and den turn with their roots. So the encirclements of -1 are counted without
-a point between. In floats: what a search finds is measured anew, and proved.
+a point between. In floats: a design that a search finds is measured anew, and proved.
 Source: H. Nyquist, Regeneration theory, Bell System Technical Journal 11, 1932; the count on the
 frequency axis is Mikhailov's.
 """
 
 from cmath import phase
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache
 from itertools import pairwise
@@ -30,6 +31,7 @@ _AT_THE_LIMIT = 1e-13  # rad from -1 at a crossing; of num and den, what their s
 _WHOLE = 1e-3  # of a count; half a turn is 1
 
 
+@within_floats
 def closed_loop_stable(loop: Loop) -> bool:
     """Return whether 1 + L is known to have all its zeros strictly inside the stable region.
 
@@ -44,7 +46,8 @@ def closed_loop_stable(loop: Loop) -> bool:
     """
     found = None
     if loop.dead_time and (loop.dt is None or round(loop.dead_time / loop.dt) > SHORT):
-        found = none_encircled(loop)
+        with suppress(OverflowError):
+            found = none_encircled(loop)
     return decided(loop)[0] is True if found is None else found
 
 
@@ -67,7 +70,7 @@ def none_encircled(loop: Loop) -> bool | None:
 
     Over (jv + r)^n it goes to a constant, and from v = 0 to infinity its argument changes by -pi
     for each zero on the right. Where |L| < 1 it turns as den (1 + L), elsewhere as
-    num exp(-j psi) (1 + 1/L), the second factors from half of L's angle, or of -L's, to half.
+    num exp(-j psi) (1 + 1/L), the second factors from half of L's angle, or of 1/L's, to half.
     """
     squares, passed = _passed(loop)
     if (loop.dt is None and loop.num[0]) or not any(squares.gain):
@@ -102,7 +105,7 @@ def _passed(loop: Loop) -> tuple[Squares, Sequence[float]]:
     found = look.unities() if look else []
     if not counted(squares.gain, found).holds:
         found = [as_v(q) for q in signs.odd_roots(squares.gain)]
-    return squares, found
+    return squares, tuple(found)
 
 
 def _at_an_end(loop: Loop) -> bool:

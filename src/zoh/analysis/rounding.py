@@ -50,7 +50,7 @@ def doubts(loop: Loop, m: Margins) -> tuple[str, ...]:
         for v, top, bottom in loop.ends()
         if top * bottom < 0 and abs(abs(top / bottom) - 1) <= _in_doubt(loop, v)
     ]
-    places += _all_but_touched(loop) if loop.given else []
+    places += _all_but_touched(loop) if loop.exact_but_for_gains else []
     found = [f"|L| may pass through 1 beside {loop.frequency(v):.6g} rad/s or not" for v in places]
     found += _of_z(loop, m) if loop.rounded else []
     if not found:
@@ -72,6 +72,7 @@ def _in_doubt(loop: Loop, v: float) -> float:
     """
     if loop.rounded:
         part = sum(_parts(loop, v))
+        part += sum([s.off for s in loop.made]) if loop.exact_but_for_gains else 0.0
         return part if 0 < part < inf else -1.0
     at_an_end = v in (0.0, inf)
     return -1.0 if not loop.given or (at_an_end and loop.is_one_at(v)) else _FEW_BITS

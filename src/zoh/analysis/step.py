@@ -33,10 +33,10 @@ _ROUNDING = 1e-12  # of an effort: what it comes to rest at, nearer than this, i
 def step_info(system: Plant | Sampled) -> StepInfo:
     """Return the metrics of the step response of ``system``, a closed loop; reference step 1.
 
-    It is not closed here: of a loop gain num/den it is num/(den + num), and ``zoh.measure`` closes
-    a plant and a controller itself. A Sampled is known at its samples; a Plant at all times. Of an
-    unstable one nothing exists but ``stable``, which is False. Raises SpecError for what is no
-    system, and for one whose poles or gains 64-bit floats do not hold.
+    It is not closed here: of a loop gain num/den it is num/(den + num), in w, and ``zoh.measure``
+    closes a plant and a controller itself. A Sampled is known at its samples; a Plant at all times.
+    Of an unstable one nothing exists but ``stable``, which is False. Raises SpecError for what is
+    no system, and for one whose poles or gains 64-bit floats do not hold.
 
     >>> info = step_info(Sampled(num=[0.5], den=[1, -0.5], dt=1.0))  # 1 - 0.5^k
     >>> info.rise_time, info.settling_time, info.overshoot_pct

@@ -17,7 +17,7 @@ from zoh.choice.before import why_never
 from zoh.choice.fastest import Edge, Search, Trial, least_ms
 from zoh.choice.judge import Judge
 from zoh.design.p import crossovers
-from zoh.design.target import in_digits, in_more_digits
+from zoh.design.target import INWARDS, in_digits, in_more_digits
 from zoh.errors import Infeasible
 from zoh.lti.systems import Sampled
 from zoh.request import AUTO, NEGATIVE_GAINS, Progress
@@ -58,7 +58,7 @@ def choose(
             choice = Choice(
                 open=_open(law, given, edge.best.parameters),
                 assumed=told,
-                limits=_limits(edge) or _at_the_end(edge, name, given),
+                limits=_limits(edge, calm) or _at_the_end(edge, name, given),
                 tried=tuple((one.law, one.why) for one in tried.values() if one.law != name),
             )
             return Chosen(
@@ -147,13 +147,13 @@ def _said(asked: Requirements) -> tuple[str, ...]:
     return tuple(f"{name} = {value:.6g}" for name, value in found if value is not None)
 
 
-def _limits(edge: Edge) -> tuple[str, ...]:
+def _limits(edge: Edge, calm: bool) -> tuple[str, ...]:
     """Return what stands against a faster crossover: its name, and what it is there."""
     if edge.above is None:
         return ()
     above, rows = edge.above, edge.above.judgement.rows
     missed = [row.sentence for row in rows if not row.met]
-    at = f"above {edge.best.wc:.6g} rad/s"
+    at = f"above {edge.best.wc:.6g} rad/s" + (", with no pole that rings," if calm else "")
     if missed:
         return tuple(f"{at} {sentence}" for sentence in missed)
     return (f"{at} {above.judgement.failed}",)
@@ -221,16 +221,13 @@ def _elsewhere(
     for one in tried:
         if one.best is None:
             continue
-        for law, calm in _in_turn(one.law):
-            there = replace(judge, calm=calm)
-            best = _edge(there, law, fixed, progress).best
-            if not best.met:
-                continue
-            search = Search(there, law, fixed, progress)
-            if best.wc > given["wc"] and (law != "p" or "pm_deg" not in fixed):
-                best = search.closed_in(best, one.best)[0]
-            found.append((best.wc, search))
-            break
+        best = _edge(judge, one.law, fixed, progress).best
+        if not best.met:
+            continue
+        search = Search(judge, one.law, fixed, progress)
+        if best.wc > given["wc"] and (one.law != "p" or "pm_deg" not in fixed):
+            best = search.closed_in(best, one.best)[0]
+        found.append((best.wc, search))
     nearest = min(found, key=lambda spot: abs(log(spot[0] / given["wc"])), default=None)
     return None if nearest is None else _printed(*nearest, given["wc"])
 
@@ -238,7 +235,8 @@ def _elsewhere(
 def _printed(wc: float, search: Search, given: float) -> float:
     """Return a crossover as it is printed, in the digits with which all is met there, too."""
     away = 1 if wc > given else -1
-    printed = in_digits(wc, away)
-    if search.at(printed).met:
-        return printed
+    for units in INWARDS:
+        printed = in_digits(wc, away, units)
+        if search.at(printed).met:
+            return printed
     return in_more_digits(lambda w: search.at(w).met, wc, away)

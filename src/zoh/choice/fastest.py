@@ -150,7 +150,8 @@ class Search:
         wanted, slow = self.fixed.get("pm_deg", max(least, LEAST_DEG)), ""
         if keeps_zeros_fast(self.law, self.fixed):
             slow = f" with no zero slower than {SLOWEST * warp(wc, self.judge.facing.dt):.4g} rad/s"
-            slow += " and no pole that rings" if self.judge.calm else ""
+            calm = self.judge.calm and self.law != "lag"  # of which every phase is had without
+            slow += " and without a pole that rings" if calm else ""
         if self.law == "leadlag" and "lag_ratio" not in self.fixed:
             slow += ", its lead centred (a lag_ratio moves it)"
         failed = f"the law cannot give a margin of {wanted:.4g} deg{slow}"

@@ -32,7 +32,7 @@ def notes(found: Verified, given: Mapping[str, float], fixed: Sampled | None) ->
             f"{margins.phase_margin_deg:.4g} deg, ms {margins.ms:.4g}"
         )
     if found.law in MAY_RING and ringing(found.gains, found.dt):
-        said.append("without a pole that rings at every sample nothing meets everything")
+        said.append(f"no {found.law} without a pole that rings at every sample meets everything")
     slowest = slowest_zero(found.controller, fixed)
     poles = poly.roots(found.controller.den_w)
     if np.abs(poles + slowest).min(initial=inf) < _DIPOLE * slowest:

@@ -28,7 +28,7 @@ _CANCELLED = 1e-13  # of its terms: what is left of a polynomial at its own root
 _STEP, _TURN = 0.03, 0.02  # of a frequency, and rad a sample: between two that are tried
 _LEAST = 8e-4  # of wc: the slowest that is tried
 _HALVINGS, _FEW = 40, 10  # of a step: where a phase is passed, and where a loop has to be measured
-_INWARDS = (0, 1, 3, 10)  # units of the seventh digit: where what is printed must work
+INWARDS = (0, 1, 3, 10)  # units of the seventh digit: where what is printed must work
 _MORE = (9, 11, 13)  # digits, where seven do not: what works may be narrower than their last unit
 _NONE = 1e-9  # rad, a phase that is none
 BELOW, ABOVE = "the phase needed is below what it gives", "the phase needed is above what it gives"
@@ -218,7 +218,7 @@ def _printed(works: Callable[[float], bool], good: float, away: int) -> float | 
 
     Right at the edge a loop may be had by luck: rounding decides there.
     """
-    for units in _INWARDS:
+    for units in INWARDS:
         w = in_digits(good, away, units)
         if works(w):
             return w

@@ -6,7 +6,7 @@ these are one although s_i and s_j are two,
     (s_i - s_j) dt = 2 pi k j,    k = 1, 2, ...
 
 a zero of the hold is on it: of the two modes only a sum is moved and seen at the samples, and
-feedback leaves the rest of them as it is. An undamped mode is hidden beside its own conjugate where
+feedback leaves the rest of them as it is. A mode is hidden beside its own conjugate where
 w dt is a multiple of pi. Next to such a dt the zero is next to the pole, and what would move the
 mode are gains out of all proportion.
 Source: R. E. Kalman, Y. C. Ho, K. S. Narendra, Controllability of Linear Dynamical Systems,
@@ -56,6 +56,8 @@ def _hidden(den: Poly, dt: float) -> tuple[str, ...]:
             mode = f"the mode at {s.imag:.6g} rad/s"
             found[mode] = f"w dt is {_pi(turns, off / 2)}"
         for t in alive[:i]:
+            if abs(s - t) * dt < _NEAR:  # one mode, repeated: it is named by itself
+                continue
             between = f"one of the modes at {t.imag:.6g} and {s.imag:.6g} rad/s"
             for word, other in (("difference", t), ("sum", t.conjugate())):
                 turns, off = _turns((s - other) * dt)
