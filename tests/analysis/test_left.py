@@ -12,7 +12,6 @@ import pytest
 from mpmath import mp, mpf
 
 from zoh import Plant, Sampled, response, step_info
-from zoh.analysis.left import farthest
 from zoh.analysis.motion import Motion, Stretch
 
 
@@ -30,40 +29,40 @@ def driven(own, drive, output, stretches=(), more=0.0):
 
 def test_a_lag_is_as_far_from_its_rest_as_it_is():
     lag = driven([[-0.5]], [0.5], [3.0, 1.0])  # 3 (1 - 2^-k) + 1, from 1 to 4
-    assert farthest(lag, lag.start) == pytest.approx(3.0, rel=1e-14)
-    assert farthest(lag, np.array([0.875, 1.0])) == pytest.approx(0.375, rel=1e-14)
-    assert farthest(lag, np.array([1.125, 1.0])) == pytest.approx(0.375, rel=1e-14)
+    assert lag.farthest(lag.start) == pytest.approx(3.0, rel=1e-14)
+    assert lag.farthest(np.array([0.875, 1.0])) == pytest.approx(0.375, rel=1e-14)
+    assert lag.farthest(np.array([1.125, 1.0])) == pytest.approx(0.375, rel=1e-14)
 
 
 def test_lags_add_up_whatever_their_signs():
     # 2 and -3 away from rest: at least 1 now, and 3 at most when the first is gone
     two = driven([[-0.5, 0.0], [0.0, -0.25]], [0.0, 0.0], [1.0, 1.0, 0.0])
-    assert farthest(two, np.array([2.0, -3.0, 1.0])) == pytest.approx(5.0, rel=1e-14)
+    assert two.farthest(np.array([2.0, -3.0, 1.0])) == pytest.approx(5.0, rel=1e-14)
 
 
 def test_a_swing_reaches_its_envelope():
     # the state turns by 0.7 and shrinks by 0.9: its first entry is at most its length
     x, y = 0.9 * cos(0.7), 0.9 * sin(0.7)
     swing = driven([[x - 1, -y], [y, x - 1]], [0.0, 0.0], [1.0, 0.0, 0.0])
-    assert farthest(swing, np.array([3.0, 4.0, 1.0])) == pytest.approx(5.0, rel=1e-13)
+    assert swing.farthest(np.array([3.0, 4.0, 1.0])) == pytest.approx(5.0, rel=1e-13)
 
 
 def test_between_the_samples_it_may_be_farther():
     # 8 t (1 - t) times what is left: Bernstein's coefficients 0, 4, 0
     rows = np.array([[0.0, 0.0], [8.0, 0.0], [-8.0, 0.0]])
     humps = driven([[-0.5]], [0.0], [1.0, 0.0], [Stretch(begin=0.0, span=1.0, rows=rows)])
-    assert farthest(humps, np.array([-0.25, 1.0])) == pytest.approx(1.0, rel=1e-14)
+    assert humps.farthest(np.array([-0.25, 1.0])) == pytest.approx(1.0, rel=1e-14)
 
 
 def test_of_some_motions_nothing_is_known():
     lag = driven([[-0.5]], [0.5], [1.0, 0.0])
-    assert farthest(lag, lag.start) == 1.0
-    assert farthest(replace(lag, wait=70), lag.start) == inf
-    assert farthest(driven([[-0.5]], [0.5], [1.0, 0.0], more=-0.5), lag.start) == inf
-    assert farthest(driven([[0.5]], [0.5], [1.0, 0.0]), lag.start) == inf
-    assert farthest(driven([[-2.0]], [0.5], [1.0, 0.0]), lag.start) == inf  # 1, -1, 1, ...
+    assert lag.farthest(lag.start) == 1.0
+    assert replace(lag, wait=70).farthest(lag.start) == inf
+    assert driven([[-0.5]], [0.5], [1.0, 0.0], more=-0.5).farthest(lag.start) == inf
+    assert driven([[0.5]], [0.5], [1.0, 0.0]).farthest(lag.start) == inf
+    assert driven([[-2.0]], [0.5], [1.0, 0.0]).farthest(lag.start) == inf  # 1, -1, 1, ...
     twice = driven([[-0.5, 1.0], [0.0, -0.5]], [0.0, 0.0], [1.0, 0.0, 0.0])
-    assert farthest(twice, np.array([1.0, 1.0, 1.0])) == inf  # k 2^-k has no eigenvector
+    assert twice.farthest(np.array([1.0, 1.0, 1.0])) == inf  # k 2^-k has no eigenvector
 
 
 def last_crossing(b, band):

@@ -20,6 +20,7 @@ import numpy.typing as npt
 
 from zoh.analysis.left import farthest
 from zoh.analysis.loop import Array
+from zoh.analysis.pieces import bernstein
 from zoh.analysis.powers import Powers
 
 Indices = npt.NDArray[np.int64]
@@ -120,6 +121,19 @@ class Motion:
         moved = np.linalg.eigvals(self.delta[: self.own, : self.own]).tolist()
         return sorted([_rate(z) for z in moved], key=itemgetter(1))
 
+    def farthest(self, state: Array) -> float:
+        """Return a bound on |y - its rest| at all times from a state on; inf where none is known.
+
+        None is where a mode does not decay or is not told from its neighbour, where what drives
+        the motion still moves, and of a queue, whose state is not all there.
+        """
+        own, moves = self.own, self.delta.dot(state)
+        if self.wait or moves[own:].any() or min(self.rates())[0] <= 0:
+            return inf
+        parts = [bernstein(len(part.rows)).dot(part.rows) for part in self.stretches]
+        rows = np.concatenate([self.output[None], *parts])
+        return farthest(self.delta[:own, :own], moves[:own], rows[:, :own])
+
     def track(self, final: float = 0.0) -> Track:
         """Return the motion from its start until its slowest mode is gone; y comes to ``final``.
 
@@ -152,7 +166,7 @@ class Motion:
             left = alone and abs(float(self.output.dot(z)) - final) < NEAR * BAND * abs(final)
             if (until - k) >> doublings > _MANY and not left:
                 passed = _crests(rates, end)
-                left = k >= passed and farthest(self, z) < NEAR * BAND * abs(final)
+                left = k >= passed and self.farthest(z) < NEAR * BAND * abs(final)
                 until = until if k >= passed else min(until, passed)
             if left:
                 k += stride * (-(-(end - k) // stride) + 1)

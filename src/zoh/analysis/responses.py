@@ -15,7 +15,6 @@ import numpy as np
 from zoh.analysis import queue
 from zoh.analysis.closed import Excitation, check_plant, closed_loop
 from zoh.analysis.curves import Trace, trace_of
-from zoh.analysis.left import farthest
 from zoh.analysis.loop import Loop
 from zoh.analysis.motion import BAND, NEAR, Motion
 from zoh.analysis.rest import gains_at_rest, under_a_load
@@ -87,7 +86,7 @@ def response(
     reached = peak > abs(final) * (1 + _NOTHING) and not (ripples and t >= wave.k[-1] * motion.dt)
     band = BAND * max(peak, abs(final))  # of the true peak, which had to be found first
     settled = wave.closer(final, band).settles_between(final, band)
-    rests = track.rests or farthest(motion, track.states[:, -1]) < NEAR * band
+    rests = track.rests or motion.farthest(track.states[:, -1]) < NEAR * band
     return Response(
         excitation=by,
         peak=max(peak, abs(final)),

@@ -13,7 +13,6 @@ import numpy as np
 
 from zoh.analysis import queue
 from zoh.analysis.closed import autonomous, closed_loop, continuous
-from zoh.analysis.left import farthest
 from zoh.analysis.loop import Loop
 from zoh.analysis.motion import BAND, NEAR, Motion, Track
 from zoh.analysis.rest import gains_at_rest, short_of_1
@@ -132,7 +131,7 @@ class _Seen:
     ) -> "_Seen":  # fmt: skip
         band = BAND * abs(final)
         wave = Waveform.of(motion, track, final, band)
-        rests = track.rests or farthest(motion, track.states[:, -1]) < NEAR * band
+        rests = track.rests or motion.farthest(track.states[:, -1]) < NEAR * band
         return cls(
             wave=wave, final=final, error=error, reference=reference, late=late,
             horizon=track.horizon * motion.dt + late, rests=rests,
