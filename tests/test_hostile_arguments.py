@@ -198,3 +198,15 @@ def test_an_argument_is_called_what_the_function_calls_it(function, given, argum
         with pytest.raises(zoh.SpecError) as refused:
             function(**{**given, argument: value})
         assert refused.value.argument == argument, value
+
+
+@pytest.mark.parametrize(
+    ("given", "argument"),
+    [({"requirements": None}, "requirements"), ({"reference": None}, "reference"),
+     ({"reference": [1, "x"]}, "reference")],
+)  # fmt: skip
+def test_sample_times_are_asked_for_in_words_too(given, argument):
+    plant = zoh.Plant(num=[1], den=[1, 1, 0])
+    with pytest.raises(zoh.SpecError) as told:
+        zoh.sample_times(plant, "pd", {"wc": 2.0, "pm_deg": 60}, dts=[0.01, 0.1], **given)
+    assert told.value.argument == argument

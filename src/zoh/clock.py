@@ -16,6 +16,7 @@ import numpy as np
 
 from zoh import checks
 from zoh.analysis.asked import NOTHING_ASKED, OF_TIME, missed
+from zoh.analysis.asked import checked as asked_for
 from zoh.analysis.loop import Loop
 from zoh.analysis.margins import measure_loop
 from zoh.analysis.on_target import not_as_asked
@@ -132,9 +133,10 @@ def sample_times(
     samples = checks.not_negative("delay_samples", delay_samples, "give samples, 0 or more")
     grid = _grid(dts, wc)
     checks.positive("fine", fine, "1e-7 gives six digits")
+    checks.number("reference", reference, "give the size of the step")
 
     asked = _Asked(
-        plant=plant, law=law, given=known, requirements=requirements, sections=sections,
+        plant=plant, law=law, given=known, requirements=asked_for(requirements), sections=sections,
         words=words, reference=reference,
     )  # fmt: skip
 

@@ -5,6 +5,8 @@ from math import cos, exp, log, pi, sin, sqrt
 
 import numpy as np
 import pytest
+import scipy.linalg
+import scipy.signal
 from mpmath import mp, mpf
 
 import zoh
@@ -399,3 +401,38 @@ def test_the_highest_between_samples_of_a_long_response_whose_slope_leaps():
     assert found.overshoot_pct == pytest.approx(over, rel=1e-8)
     assert found.peak_time == pytest.approx(when, rel=1e-6)  # the top is flat
     assert int(when) == 324
+
+
+@pytest.mark.filterwarnings("ignore::zoh.AccuracyWarning")  # the hold all but hides the modes
+@pytest.mark.parametrize(
+    ("num", "den", "controller", "dt"),
+    [
+        ((1.0, 197.3176, 4141.032), (1.0, 1.1256, 3943.9656, 3943.84), ([0.05, 0.0], [1, -1]), 0.1),
+        (
+            (1.0, -753.7912918821552, 10145.044516362279),
+            (0.2810861446500331, 1.032856712221787, 3605.656526222515, 12827.169545283123),
+            ([1.004350886403702], [1.0]),
+            0.055477182674623385,
+        ),
+    ],
+)
+def test_a_swing_between_the_samples_settles_last(num, den, controller, dt):
+    """A mode that turns by nearly 2 pi a sample: few samples show it, and it is 1 % between them.
+
+    The truth is a matrix exponential for each of 400 points of a sample, one step after the other.
+    """
+    plant, law = Plant(num=num, den=den), Sampled(num=controller[0], den=controller[1], dt=dt)
+    found = zoh.measure(plant, law).step
+    a, b, c, _ = scipy.signal.tf2ss(num, den)
+    n, fine = len(a), 400
+    step = scipy.linalg.expm(np.block([[a, b], [np.zeros((1, n + 1))]]) * dt / fine)
+    x, u, ys = np.zeros(n), 0.0, []
+    for _ in range(int(1.5 * found.between_samples.settling_time / dt)):
+        moved = controller[0][0] * (1 - float((c @ x)[0]))
+        u = u + moved if len(controller[1]) == 2 else moved
+        for _ in range(fine):
+            ys.append(float((c @ x)[0]))
+            x = step[:n, :n] @ x + step[:n, n] * u
+    off = np.abs(np.array(ys) - found.final_value) > 0.02 * abs(found.final_value)
+    last = np.flatnonzero(off)[-1] * dt / fine
+    assert last <= found.between_samples.settling_time <= last + 1.01 * dt / fine

@@ -396,3 +396,14 @@ def test_a_plant_that_answers_backwards_is_named():
     with pytest.raises(zoh.Infeasible) as plain:
         zoh.pi(turned, dt=0.1, wc=0.8, pm_deg=175)
     assert "sensor" not in str(plain.value)
+
+
+def test_the_nearest_crossover_around_a_long_delay_is_had():
+    """118 samples of delay, and |L| all but 1 below Nyquist's: it is offered where it is proved."""
+    plant = zoh.Plant(num=[-0.596, 0.397], den=[1.503, 1], dead_time=5.9)
+    asked = {"dt": 0.05, "pm_deg": 80, "ti_td": 4}
+    with pytest.raises(zoh.Infeasible) as refused:
+        zoh.pid(plant, wc=0.5024, **asked)
+    for share in (1, 1 - 1e-7, 1 - 1e-6, 1 - 1e-5):
+        found = zoh.pid(plant, wc=share * refused.value.nearest_wc, **asked)
+        assert found.margins.phase_margin_deg == pytest.approx(80, rel=1e-9)

@@ -23,11 +23,12 @@ from zoh.analysis.proof import counted
 from zoh.analysis.sharp import as_v
 from zoh.analysis.sparse import Sparse
 from zoh.analysis.squares import Squares
-from zoh.analysis.stability import SHORT, decided
+from zoh.analysis.stability import LONGEST, SHORT, decided
 from zoh.lti import poly, signs
 
 _ON_THE_AXIS = 1e-9  # of a root is its real part: which side it is on is rounding
 _AT_THE_LIMIT = 1e-13  # rad from -1 at a crossing; of num and den, what their sum is at an end
+_UNPROVED = 1e-4  # the same; nearer, a long delay may leave no proof
 _WHOLE = 1e-3  # of a count; half a turn is 1
 
 
@@ -44,10 +45,12 @@ def closed_loop_stable(loop: Loop) -> bool:
     >>> [closed_loop_stable(Loop.of(plant)) for plant in late]
     [True, False]
     """
-    found = None
-    if loop.dead_time and (loop.dt is None or round(loop.dead_time / loop.dt) > SHORT):
+    found, samples = None, round(loop.dead_time / loop.dt) if loop.dt else LONGEST + 1
+    if loop.dead_time and samples > SHORT:
         with suppress(OverflowError):
             found = none_encircled(loop)
+        if found and samples > LONGEST and _is_hard_to_prove(loop):
+            found = None
     return decided(loop)[0] is True if found is None else found
 
 
@@ -76,8 +79,7 @@ def none_encircled(loop: Loop) -> bool | None:
     if (loop.dt is None and loop.num[0]) or not any(squares.gain):
         return None  # it turns for ever, or is nowhere on one side of 1
     angles = [_angle(loop, v) for v in passed]
-    touched = [_angle(loop, as_v(q)) for q in touches(loop, squares.gain, passed)]
-    if _at_an_end(loop) or any(pi - abs(x) < _AT_THE_LIMIT for x in (*angles, *touched)):
+    if _nearness(loop) < _AT_THE_LIMIT:
         return False
     loud = next(c for c in reversed(squares.gain) if c) > 0
     turned = 0.0
@@ -108,13 +110,27 @@ def _passed(loop: Loop) -> tuple[Squares, Sequence[float]]:
     return squares, tuple(found)
 
 
-def _at_an_end(loop: Loop) -> bool:
-    """Return whether den + num is 0 at an end of the axis but for rounding, or both are."""
-    hidden = loop.num[-1] == loop.den[-1] == 0 or loop.num[0] == loop.den[0] == 0
-    return hidden or any(
-        abs(top + bottom) <= _AT_THE_LIMIT * (abs(top) + abs(bottom))
-        for _, top, bottom in loop.ends()
-    )
+def _nearness(loop: Loop) -> float:
+    """Return how near L comes to -1 where |L| is 1, in rad, and at the ends of the axis.
+
+    At an end it is what is left of den + num there, in parts of both; 0 where both are 0.
+    """
+    if loop.num[-1] == loop.den[-1] == 0 or loop.num[0] == loop.den[0] == 0:
+        return 0.0
+    squares, passed = _passed(loop)
+    places = [*passed, *map(as_v, touches(loop, squares.gain, passed))]
+    angles = [pi - abs(_angle(loop, v)) for v in places]
+    sums = [abs(top + bottom) / (abs(top) + abs(bottom)) for _, top, bottom in loop.ends()]
+    return min(*angles, *sums)
+
+
+def _is_hard_to_prove(loop: Loop) -> bool:
+    """Return whether L comes so near to -1, or at an end |L| to 1, that ``decided`` is to be asked.
+
+    A long delay turns what is all but 1 by any angle.
+    """
+    sizes = [(abs(top), abs(bottom)) for _, top, bottom in loop.ends()]
+    return min(_nearness(loop), *[abs(x - y) / (x + y) for x, y in sizes]) < _UNPROVED
 
 
 def _angle(loop: Loop, v: float) -> float:
@@ -139,6 +155,3 @@ def _turn(a: Sequence[float], low: float, high: float) -> float:
         elif low < y < high:
             return nan
     return turned
-
-
-__all__ = ["closed_loop_stable", "nearest_crossing", "none_encircled"]

@@ -13,6 +13,7 @@ import numpy as np
 
 from zoh.analysis import queue
 from zoh.analysis.closed import autonomous, closed_loop, continuous
+from zoh.analysis.filling import leaves_out
 from zoh.analysis.loop import Loop
 from zoh.analysis.motion import BAND, NEAR, Motion, Track
 from zoh.analysis.rest import gains_at_rest, short_of_1
@@ -149,6 +150,8 @@ class _Seen:
         wave, size, sign = self.wave, abs(self.final), -1.0 if self.final < 0 else 1.0
         ends = wave.highest_between(sign), wave.highest_between(-sign)
         times = [wave.reaches_between(level * size, sign) for level in RISE]
+        if leaves_out(wave.k):
+            wave = wave.closer(self.final, BAND * size)
         return self._info(ends, times, wave.settles_between(self.final, BAND * size), {})
 
     def _info(
