@@ -59,6 +59,7 @@ def _named(*starts: str) -> list[str]:
 TESTS |= {
     "analysis/rounding": _named("rounding", "margins"),
     "analysis/margins": _named("margins", "proof"),
+    "analysis/nyquist": _named("nyquist", "stability", "touches", "margins_looks"),
     "analysis/margin_crossings": _named("margins"),
     "analysis/discs": _named("discs", "proof"),
     "analysis/proof": _named("proof", "discs", "sharp"),

@@ -7,7 +7,12 @@ import pytest
 
 from zoh.analysis import nyquist
 from zoh.analysis.loop import Loop
-from zoh.analysis.nyquist import closed_loop_stable, nearest_crossing, none_encircled
+from zoh.analysis.nyquist import (
+    _is_hard_to_prove,
+    closed_loop_stable,
+    nearest_crossing,
+    none_encircled,
+)
 from zoh.lti.systems import Plant, Sampled
 
 
@@ -106,6 +111,18 @@ def test_where_floats_do_not_tell_the_proof_is_asked(monkeypatch):
     for dt in (1.0, 0.1):
         assert closed_loop_stable(Loop.of(Sampled(num=[0.1], den=[1.0, *[0.0] * 11], dt=dt)))
     assert len(asked) == 3
+
+
+def test_what_is_hard_to_prove_is_next_to_minus_one_or_has_a_size_next_to_one():
+    """k z^-70/(z - 1) is -1 at k = 2 sin(pi/282), and k/2 at z = -1; g z^-70 has the size g."""
+    limit = 2 * sin(pi / 282)
+    for k, hard in ((limit * (1 - 1e-6), True), (0.5 * limit, False)):
+        late = Sampled.from_w(num_w=[-k / 2, k], den_w=[1.0, 0.0], dt=1.0, delay=70)
+        assert _is_hard_to_prove(Loop.of(late)) is hard
+    for g, hard in ((1 - 1e-5, True), (0.5, False)):
+        # the first power of both is small beside the others, as is a fraction of it
+        late = Sampled.from_w(num_w=[1e-3 * g, 0.1], den_w=[1e-3, 1.0], dt=1.0, delay=70)
+        assert _is_hard_to_prove(Loop.of(late)) is hard
 
 
 def test_the_crossings_are_those_that_the_gain_has_without_its_delay():
