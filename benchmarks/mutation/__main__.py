@@ -27,6 +27,7 @@ TESTS = {
     "sampling": ["tests/sampling", "src/zoh/sampling"],
     "sampling/between": ["tests/sampling/test_between.py", "tests/analysis", "src/zoh/sampling"],
     "sampling/images": [*map(str, Path("tests/sampling").glob("test_images*.py"))],
+    "sampling/pathological": ["tests/analysis/test_pathological_sampling.py", "src/zoh/sampling"],
     "sampling/ring": ["tests/sampling/test_ring.py", "tests/sampling/test_exact_arithmetic.py"],
     "tabled": [
         *map(str, Path("tests/analysis").glob("test_tabled_*.py")),

@@ -131,6 +131,9 @@ def test_what_is_missed_names_the_mode():
         ([1, 2, 5], pi / 2, ("the mode at 2 rad/s: w dt is pi to twelve digits",)),
         # s^2 + 20 s + 101: -10 +- j has died by the next sample
         ([1, 20, 101], pi, ()),
+        # -7.5/pi +- j: exp(-7.5) of it is left, and of -6.5/pi +- j exp(-6.5)
+        ([1, 15 / pi, (7.5 / pi) ** 2 + 1], pi, ()),
+        ([1, 13 / pi, (6.5 / pi) ** 2 + 1], pi, ("the mode at 1 rad/s: w dt is pi",)),
         ([1, 3, 2], 100.0, ()),  # real poles are like no others
         # (s^2 + 1)^2: one mode, twice
         ([1, 0, 2, 0, 1], pi, ("the mode at 1 rad/s: w dt is pi but for",)),
